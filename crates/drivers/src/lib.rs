@@ -1,0 +1,1 @@
+//! Drivers: advance a world in time

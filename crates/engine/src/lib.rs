@@ -1,0 +1,1 @@
+//! The step: candidates, contacts, laws, forces

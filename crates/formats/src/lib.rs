@@ -1,0 +1,1 @@
+//! Files of the field: LAMMPS data and dump, VTK, CSV, written atomically

@@ -1,0 +1,1 @@
+//! Shapes, walls, the periodic cell and neighbour search

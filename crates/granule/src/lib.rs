@@ -1,0 +1,1 @@
+//! Facade: read a scene, plan it, run it

@@ -1,0 +1,1 @@
+//! What a contact law is: stages over chunks of contacts, parameters, history, oracle and the registry

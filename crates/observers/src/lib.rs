@@ -1,0 +1,1 @@
+//! Observers: energy ledger, trajectories, time series; never change the state

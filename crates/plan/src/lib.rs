@@ -1,0 +1,1 @@
+//! Scene and registry to a plan: what will run, and every problem at once

@@ -1,0 +1,1 @@
+//! Run manifest, tables, plots and self-contained HTML

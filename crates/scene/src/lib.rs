@@ -1,0 +1,1 @@
+//! The scene file: RON with spans, and diagnostics

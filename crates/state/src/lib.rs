@@ -1,0 +1,1 @@
+//! Body rows, contact tables and history columns

@@ -1,0 +1,1 @@
+//! Physical dimensions and quantities with units: text to SI numbers

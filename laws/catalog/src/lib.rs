@@ -1,0 +1,1 @@
+//! The laws that granule ships: one line a law crate

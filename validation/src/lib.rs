@@ -1,0 +1,1 @@
+//! Comparison of scenes with LAMMPS and LIGGGHTS
