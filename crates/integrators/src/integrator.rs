@@ -1,0 +1,289 @@
+//! Schemes applied to tiles of body rows.
+
+use granule_state::Row;
+
+use crate::schemes::{ClassicVelocityVerlet, Leapfrog, Scheme, SymplecticEuler, VelocityVerlet};
+
+/// Rows of consecutive bodies. Columns that the layout does not have are empty.
+pub struct Tile<'a> {
+    /// Centre and radius.
+    pub position: &'a mut [Row],
+    /// Velocity and inverse mass; in the plane the third number is the spin.
+    pub velocity: &'a mut [Row],
+    /// Force; in the plane the third number is the torque.
+    pub force: &'a [Row],
+    /// Spin and inverse inertia.
+    pub spin: &'a mut [Row],
+    /// Torque.
+    pub torque: &'a [Row],
+    /// Accelerations of the last step.
+    pub previous: &'a mut [Row],
+    /// Angular accelerations of the last step.
+    pub previous_angular: &'a mut [Row],
+    /// Inverse inertia in the plane; empty in space and for smooth discs.
+    pub planar_inverse_inertia: &'a [f64],
+    /// Plane motion.
+    pub planar: bool,
+}
+
+/// What one pass over a tile reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pass {
+    /// Largest squared speed after the pass \[m²/s²\].
+    pub maximum_speed_squared: f64,
+    /// Zero if every number is finite, else not a number.
+    pub poison: f64,
+}
+
+/// A time integration scheme over tiles.
+pub trait Integrator: Send + Sync {
+    /// Name in scenes.
+    fn name(&self) -> &'static str;
+    /// Order of convergence for smooth forces, damping included.
+    fn order(&self) -> u32;
+    /// Order of convergence for smooth conservative forces.
+    fn conservative_order(&self) -> u32;
+    /// True if forces see velocities of the time of the positions.
+    fn synchronised(&self) -> bool;
+    /// True if it remembers the accelerations of the last step.
+    fn needs_previous(&self) -> bool;
+    /// Largest ω dt for an undamped oscillator.
+    fn stability(&self) -> f64;
+    /// Up to the force evaluation.
+    fn begin(&self, tile: &mut Tile<'_>, dt: f64) -> Pass;
+    /// From the force evaluation to the end of the step.
+    fn finish(&self, tile: &mut Tile<'_>, dt: f64) -> Pass;
+    /// `finish` and the `begin` of the next step in one pass.
+    fn finish_begin(&self, tile: &mut Tile<'_>, dt: f64) -> Pass;
+}
+
+/// The integrator of that name.
+pub fn integrator(name: &str) -> Option<Box<dyn Integrator>> {
+    match name {
+        VelocityVerlet::NAME => Some(Box::new(VelocityVerlet)),
+        ClassicVelocityVerlet::NAME => Some(Box::new(ClassicVelocityVerlet)),
+        Leapfrog::NAME => Some(Box::new(Leapfrog)),
+        SymplecticEuler::NAME => Some(Box::new(SymplecticEuler)),
+        _ => None,
+    }
+}
+
+impl<S: Scheme> Integrator for S {
+    fn name(&self) -> &'static str {
+        S::NAME
+    }
+    fn order(&self) -> u32 {
+        S::ORDER
+    }
+    fn conservative_order(&self) -> u32 {
+        S::CONSERVATIVE_ORDER
+    }
+    fn synchronised(&self) -> bool {
+        S::SYNCHRONISED
+    }
+    fn needs_previous(&self) -> bool {
+        S::PREVIOUS
+    }
+    fn stability(&self) -> f64 {
+        S::STABILITY
+    }
+    fn begin(&self, tile: &mut Tile<'_>, dt: f64) -> Pass {
+        pass::<S, false, true>(tile, dt)
+    }
+    fn finish(&self, tile: &mut Tile<'_>, dt: f64) -> Pass {
+        pass::<S, true, false>(tile, dt)
+    }
+    fn finish_begin(&self, tile: &mut Tile<'_>, dt: f64) -> Pass {
+        pass::<S, true, true>(tile, dt)
+    }
+}
+
+fn pass<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) -> Pass {
+    let result = translate::<S, FINISH, BEGIN>(tile, dt);
+    if !tile.spin.is_empty() {
+        rotate::<S, FINISH, BEGIN>(tile, dt);
+    }
+    result
+}
+
+fn translate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) -> Pass {
+    let count = tile.position.len();
+    let (position, velocity) = (&mut tile.position[..count], &mut tile.velocity[..count]);
+    let force = &tile.force[..count];
+    let coordinates = if tile.planar { 2 } else { 3 };
+    let mut maximum_speed_squared: f64 = 0.0;
+    let mut poison: f64 = 0.0;
+    for body in 0..count {
+        let (x, v) = (&mut position[body].0, &mut velocity[body].0);
+        let inverse_mass = v[3];
+        let mut previous = if S::PREVIOUS { tile.previous[body].0 } else { [0.0; 4] };
+        for k in 0..coordinates {
+            let a = force[body].0[k] * inverse_mass;
+            if FINISH {
+                S::finish(&mut x[k], &mut v[k], a, previous[k], dt);
+            }
+            if BEGIN {
+                S::begin(&mut x[k], &mut v[k], a, &mut previous[k], dt);
+            }
+        }
+        let spin = v[2];
+        let third = if tile.planar { 0.0 } else { spin };
+        let speed_squared = v[0] * v[0] + v[1] * v[1] + third * third;
+        if tile.planar && !tile.planar_inverse_inertia.is_empty() {
+            let a = force[body].0[2] * tile.planar_inverse_inertia[body];
+            let mut angle = 0.0;
+            if FINISH {
+                S::finish(&mut angle, &mut v[2], a, previous[2], dt);
+            }
+            if BEGIN {
+                S::begin(&mut angle, &mut v[2], a, &mut previous[2], dt);
+            }
+        }
+        if S::PREVIOUS && BEGIN {
+            tile.previous[body].0 = previous;
+        }
+        maximum_speed_squared =
+            if speed_squared > maximum_speed_squared { speed_squared } else { maximum_speed_squared };
+        poison += (x[0] + x[1] + x[2] + speed_squared + spin) * 0.0;
+    }
+    Pass { maximum_speed_squared, poison }
+}
+
+fn rotate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) {
+    let count = tile.spin.len();
+    let (spin, torque) = (&mut tile.spin[..count], &tile.torque[..count]);
+    for body in 0..count {
+        let w = &mut spin[body].0;
+        let inverse_inertia = w[3];
+        let mut previous = if S::PREVIOUS { tile.previous_angular[body].0 } else { [0.0; 4] };
+        let mut angle = 0.0;
+        for k in 0..3 {
+            let a = torque[body].0[k] * inverse_inertia;
+            if FINISH {
+                S::finish(&mut angle, &mut w[k], a, previous[k], dt);
+            }
+            if BEGIN {
+                S::begin(&mut angle, &mut w[k], a, &mut previous[k], dt);
+            }
+        }
+        if S::PREVIOUS && BEGIN {
+            tile.previous_angular[body].0 = previous;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NAMES: [&str; 4] =
+        [VelocityVerlet::NAME, ClassicVelocityVerlet::NAME, Leapfrog::NAME, SymplecticEuler::NAME];
+
+    /// One body of unit mass; returns position and velocity after `steps` steps of force f(x, v).
+    fn run(name: &str, steps: usize, time: f64, force: fn(f64, f64) -> f64, fused: bool) -> (f64, f64) {
+        let scheme = integrator(name).unwrap();
+        let dt = time / steps as f64;
+        let mut position = [Row::new([1.0, 0.0, 0.0], 0.1)];
+        let mut velocity = [Row::new([0.5, 0.0, 0.0], 1.0)];
+        let mut previous = [Row::ZERO];
+        let mut forces = [Row::new([force(1.0, 0.5), 0.0, 0.0], 0.0)];
+        macro_rules! tile {
+            () => {
+                Tile {
+                    position: &mut position,
+                    velocity: &mut velocity,
+                    force: &forces,
+                    spin: &mut [],
+                    torque: &[],
+                    previous: &mut previous,
+                    previous_angular: &mut [],
+                    planar_inverse_inertia: &[],
+                    planar: false,
+                }
+            };
+        }
+        scheme.begin(&mut tile!(), dt);
+        for step in 0..steps {
+            forces[0][0] = force(position[0][0], velocity[0][0]);
+            if step + 1 == steps {
+                scheme.finish(&mut tile!(), dt);
+            } else if fused {
+                scheme.finish_begin(&mut tile!(), dt);
+            } else {
+                scheme.finish(&mut tile!(), dt);
+                scheme.begin(&mut tile!(), dt);
+            }
+        }
+        (position[0][0], velocity[0][0])
+    }
+
+    /// Measured order of convergence from the differences of three successive halvings of the step.
+    fn measured_order(name: &str, force: fn(f64, f64) -> f64) -> f64 {
+        let at = |steps| {
+            let (x, v) = run(name, steps, 2.0, force, true);
+            [x, v]
+        };
+        let (coarse, middle, fine) = (at(400), at(800), at(1600));
+        let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        (distance(coarse, middle) / distance(middle, fine)).log2()
+    }
+
+    #[test]
+    fn each_scheme_has_the_order_that_it_states() {
+        for name in NAMES {
+            let scheme = integrator(name).unwrap();
+            let damped = measured_order(name, |x, v| -x - 0.4 * v);
+            let conservative = measured_order(name, |x, _| -x);
+            // The next term of the error expansion is smaller by ω dt = 1/200.
+            assert!(
+                (damped - f64::from(scheme.order())).abs() < 0.05,
+                "{name}: measured {damped} with damping"
+            );
+            assert!(
+                (conservative - f64::from(scheme.conservative_order())).abs() < 0.05,
+                "{name}: measured {conservative} without damping"
+            );
+        }
+    }
+
+    #[test]
+    fn fusing_two_steps_changes_no_bit() {
+        for name in NAMES {
+            let separate = run(name, 137, 3.0, |x, v| -x - 0.4 * v, false);
+            let fused = run(name, 137, 3.0, |x, v| -x - 0.4 * v, true);
+            assert_eq!(separate.0.to_bits(), fused.0.to_bits(), "{name}");
+            assert_eq!(separate.1.to_bits(), fused.1.to_bits(), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_stability_limit_is_where_it_is_stated() {
+        for name in NAMES {
+            let limit = integrator(name).unwrap().stability();
+            let amplitude = |dt: f64| run(name, 1000, 1000.0 * dt, |x, _| -x, true).0.abs();
+            assert!(amplitude(0.99 * limit) < 1e3, "{name} grows below its limit");
+            assert!(amplitude(1.01 * limit) > 1e10, "{name} stays bounded above its limit");
+        }
+    }
+
+    #[test]
+    fn non_finite_numbers_poison_the_pass() {
+        let scheme = integrator("VelocityVerlet").unwrap();
+        let forces = [Row::ZERO, Row::new([0.0, f64::NAN, 0.0], 0.0)];
+        let pass = scheme.begin(
+            &mut Tile {
+                position: &mut [Row::ZERO; 2],
+                velocity: &mut [Row::new([0.0; 3], 1.0); 2],
+                force: &forces,
+                spin: &mut [],
+                torque: &[],
+                previous: &mut [Row::ZERO; 2],
+                previous_angular: &mut [],
+                planar_inverse_inertia: &[],
+                planar: false,
+            },
+            1.0,
+        );
+        assert!(pass.poison.is_nan());
+    }
+}
