@@ -29,8 +29,8 @@ pub struct Tile<'a> {
 /// What one pass over a tile reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pass {
-    /// Largest squared speed after the pass \[m²/s²\].
-    pub maximum_speed_squared: f64,
+    /// Square of the largest distance that a body moved in the pass \[m²\].
+    pub maximum_displacement_squared: f64,
     /// Zero if every number is finite, else not a number.
     pub poison: f64,
 }
@@ -49,6 +49,8 @@ pub trait Integrator: Send + Sync {
     fn needs_previous(&self) -> bool;
     /// Largest ω dt for an undamped oscillator.
     fn stability(&self) -> f64;
+    /// Time of the force evaluation, as a fraction of the step.
+    fn force_time(&self) -> f64;
     /// Up to the force evaluation.
     fn begin(&self, tile: &mut Tile<'_>, dt: f64) -> Pass;
     /// From the force evaluation to the end of the step.
@@ -87,6 +89,9 @@ impl<S: Scheme> Integrator for S {
     fn stability(&self) -> f64 {
         S::STABILITY
     }
+    fn force_time(&self) -> f64 {
+        S::FORCE_TIME
+    }
     fn begin(&self, tile: &mut Tile<'_>, dt: f64) -> Pass {
         pass::<S, false, true>(tile, dt)
     }
@@ -100,10 +105,8 @@ impl<S: Scheme> Integrator for S {
 
 fn pass<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) -> Pass {
     let result = translate::<S, FINISH, BEGIN>(tile, dt);
-    if !tile.spin.is_empty() {
-        rotate::<S, FINISH, BEGIN>(tile, dt);
-    }
-    result
+    let rotation = if tile.spin.is_empty() { 0.0 } else { rotate::<S, FINISH, BEGIN>(tile, dt) };
+    Pass { poison: result.poison + rotation, ..result }
 }
 
 fn translate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) -> Pass {
@@ -111,24 +114,25 @@ fn translate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'
     let (position, velocity) = (&mut tile.position[..count], &mut tile.velocity[..count]);
     let force = &tile.force[..count];
     let coordinates = if tile.planar { 2 } else { 3 };
-    let mut maximum_speed_squared: f64 = 0.0;
+    let mut maximum_displacement_squared: f64 = 0.0;
     let mut poison: f64 = 0.0;
     for body in 0..count {
         let (x, v) = (&mut position[body].0, &mut velocity[body].0);
         let inverse_mass = v[3];
+        let mut moved_squared = 0.0;
         let mut previous = if S::PREVIOUS { tile.previous[body].0 } else { [0.0; 4] };
         for k in 0..coordinates {
             let a = force[body].0[k] * inverse_mass;
+            let before = x[k];
             if FINISH {
                 S::finish(&mut x[k], &mut v[k], a, previous[k], dt);
             }
             if BEGIN {
                 S::begin(&mut x[k], &mut v[k], a, &mut previous[k], dt);
             }
+            let moved = x[k] - before;
+            moved_squared += moved * moved;
         }
-        let spin = v[2];
-        let third = if tile.planar { 0.0 } else { spin };
-        let speed_squared = v[0] * v[0] + v[1] * v[1] + third * third;
         if tile.planar && !tile.planar_inverse_inertia.is_empty() {
             let a = force[body].0[2] * tile.planar_inverse_inertia[body];
             let mut angle = 0.0;
@@ -142,14 +146,18 @@ fn translate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'
         if S::PREVIOUS && BEGIN {
             tile.previous[body].0 = previous;
         }
-        maximum_speed_squared =
-            if speed_squared > maximum_speed_squared { speed_squared } else { maximum_speed_squared };
-        poison += (x[0] + x[1] + x[2] + speed_squared + spin) * 0.0;
+        maximum_displacement_squared = if moved_squared > maximum_displacement_squared {
+            moved_squared
+        } else {
+            maximum_displacement_squared
+        };
+        poison += (x[0] + x[1] + x[2] + v[0] + v[1] + v[2]) * 0.0;
     }
-    Pass { maximum_speed_squared, poison }
+    Pass { maximum_displacement_squared, poison }
 }
 
-fn rotate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) {
+fn rotate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) -> f64 {
+    let mut poison = 0.0;
     let count = tile.spin.len();
     let (spin, torque) = (&mut tile.spin[..count], &tile.torque[..count]);
     for body in 0..count {
@@ -169,7 +177,9 @@ fn rotate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>,
         if S::PREVIOUS && BEGIN {
             tile.previous_angular[body].0 = previous;
         }
+        poison += (w[0] + w[1] + w[2]) * 0.0;
     }
+    poison
 }
 
 #[cfg(test)]

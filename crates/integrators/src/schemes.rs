@@ -15,6 +15,8 @@ pub trait Scheme: Send + Sync + 'static {
     const PREVIOUS: bool;
     /// Largest ω dt at which an undamped oscillator of angular frequency ω stays bounded.
     const STABILITY: f64;
+    /// Time of the force evaluation, as a fraction of the step.
+    const FORCE_TIME: f64 = 1.0;
 
     /// From the end of the last step to the force evaluation of this one.
     fn begin(x: &mut f64, v: &mut f64, a: f64, previous: &mut f64, dt: f64);
@@ -82,6 +84,7 @@ impl Scheme for Leapfrog {
     const SYNCHRONISED: bool = false;
     const PREVIOUS: bool = false;
     const STABILITY: f64 = 2.0;
+    const FORCE_TIME: f64 = 0.5;
 
     #[inline(always)]
     fn begin(x: &mut f64, v: &mut f64, _a: f64, _previous: &mut f64, dt: f64) {

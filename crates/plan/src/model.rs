@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use granule_geometry::{Cell, Motion, Wall};
+use granule_geometry::{Cell, Wall};
 use granule_law_api::{Columns, ContactEnd, Conventions, LawEntry, PairContext, Params, Slot, Stage};
 
 /// Number of space dimensions that exist in the run.
@@ -31,7 +31,7 @@ pub enum Scheme {
     VelocityVerlet,
     /// Velocity Verlet whose forces see half-step velocities (LAMMPS, LIGGGHTS).
     ClassicVelocityVerlet,
-    /// Leapfrog: velocities live at half steps.
+    /// Leapfrog, drift-kick-drift: forces at the middle of the step.
     Leapfrog,
     /// Symplectic Euler: kick, then drift. First order.
     SymplecticEuler,
@@ -84,10 +84,8 @@ pub struct MaterialPlan {
 pub struct WallPlan {
     /// Name in the scene.
     pub name: String,
-    /// Surface at time zero.
-    pub surface: Wall,
-    /// Prescribed motion.
-    pub motion: Motion,
+    /// Surface and prescribed motion.
+    pub wall: Wall,
     /// Index into [`Plan::materials`].
     pub material: u16,
 }

@@ -1,0 +1,37 @@
+//! Why a run stops.
+
+/// A run that cannot go on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EngineError {
+    /// A position, velocity, spin or force is not finite.
+    NotFinite {
+        /// The body.
+        id: u32,
+        /// What is not finite.
+        quantity: &'static str,
+        /// Step at which it was found.
+        step: u64,
+        /// Simulated time \[s\].
+        time: f64,
+    },
+    /// The periodic cell is too small for one image per pair, or candidates cannot be found.
+    Search(String),
+    /// Worker threads could not be started.
+    Threads(String),
+}
+
+impl std::fmt::Display for EngineError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotFinite { id, quantity, step, time } => write!(
+                f,
+                "the {quantity} of body {id} is not finite at step {step} (time {time:e} s): the time step is too \
+                 large for the forces on it, or its input was not finite"
+            ),
+            Self::Search(reason) => write!(f, "candidates cannot be found: {reason}"),
+            Self::Threads(reason) => write!(f, "worker threads cannot be started: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for EngineError {}

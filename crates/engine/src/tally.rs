@@ -1,0 +1,99 @@
+//! Sums over contacts, in a fixed order.
+
+use granule_law_api::Slot;
+
+/// Sums over all contacts of one force evaluation. Partial sums of tiles are added in the order of the tiles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Body-body contacts.
+    pub contacts: u64,
+    /// Body-wall contacts.
+    pub wall_contacts: u64,
+    /// Largest overlap \[m\].
+    pub maximum_overlap: f64,
+    /// Elastic energy \[J\] by slot; zero without the energy ledger.
+    pub elastic: [f64; Slot::ALL.len()],
+    /// Viscous (or plastic) dissipation \[W\] by slot; zero without the energy ledger.
+    pub viscous: [f64; Slot::ALL.len()],
+    /// Frictional dissipation \[W\] by slot; zero without the energy ledger.
+    pub friction: [f64; Slot::ALL.len()],
+    /// Power that moving walls exert on the bodies \[W\].
+    pub wall_power: f64,
+    /// Force of the bodies on each wall \[N\].
+    pub wall_force: Vec<[f64; 3]>,
+}
+
+impl Tally {
+    pub(crate) fn new(walls: usize) -> Self {
+        Self { wall_force: vec![[0.0; 3]; walls], ..Self::default() }
+    }
+
+    pub(crate) fn reset(&mut self) {
+        let mut wall_force = std::mem::take(&mut self.wall_force);
+        wall_force.fill([0.0; 3]);
+        *self = Self { wall_force, ..Self::default() };
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.contacts += other.contacts;
+        self.wall_contacts += other.wall_contacts;
+        self.maximum_overlap = self.maximum_overlap.max(other.maximum_overlap);
+        for slot in 0..Slot::ALL.len() {
+            self.elastic[slot] += other.elastic[slot];
+            self.viscous[slot] += other.viscous[slot];
+            self.friction[slot] += other.friction[slot];
+        }
+        self.wall_power += other.wall_power;
+        for (sum, part) in self.wall_force.iter_mut().zip(&other.wall_force) {
+            for k in 0..3 {
+                sum[k] += part[k];
+            }
+        }
+    }
+}
+
+/// Work and dissipation since the start of the run, integrated with the trapezoidal rule over the steps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Viscous (or plastic) dissipation \[J\] by slot.
+    pub viscous: [f64; Slot::ALL.len()],
+    /// Frictional dissipation \[J\] by slot.
+    pub friction: [f64; Slot::ALL.len()],
+    /// Work of moving walls on the bodies \[J\].
+    pub walls: f64,
+}
+
+impl Work {
+    pub(crate) fn accumulate(&mut self, before: &Tally, after: &Tally, time_step: f64) {
+        let mean = |a: f64, b: f64| 0.5 * (a + b) * time_step;
+        for slot in 0..Slot::ALL.len() {
+            self.viscous[slot] += mean(before.viscous[slot], after.viscous[slot]);
+            self.friction[slot] += mean(before.friction[slot], after.friction[slot]);
+        }
+        self.walls += mean(before.wall_power, after.wall_power);
+    }
+}
+
+/// The other side of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ContactPartner {
+    /// Identity of the other body.
+    Body(u32),
+    /// Index of the wall.
+    Wall(u32),
+}
+
+/// One contact, as observers see it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactRecord {
+    /// Identity of body i.
+    pub id: u32,
+    /// The other side.
+    pub partner: ContactPartner,
+    /// Overlap δ \[m\].
+    pub overlap: f64,
+    /// Unit normal from j to i.
+    pub normal: [f64; 3],
+    /// History columns of the composition.
+    pub history: Vec<f64>,
+}
