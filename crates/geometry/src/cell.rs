@@ -37,7 +37,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// A cell from `lo` to `hi` [m].
+    /// A cell from `lo` to `hi` (m).
     ///
     /// # Errors
     /// [`GeometryError::EmptyExtent`] unless `lo < hi` in each direction (`lo == hi` is allowed where not periodic:
@@ -138,7 +138,7 @@ impl Cell {
         (image, shift)
     }
 
-    /// The vector s*L of an image code [m], to be subtracted from `x_i - x_j`; 0 where not periodic.
+    /// The vector s*L of an image code (m), to be subtracted from `x_i - x_j`; 0 where not periodic.
     pub fn shift_vector(&self, code: u8) -> [f64; 3] {
         let (shift, period) = (image_shift(code), self.period());
         std::array::from_fn(|axis| f64::from(shift[axis]) * period[axis])

@@ -19,7 +19,7 @@ mod wall;
 pub use cell::{Cell, IMAGE_CODES, NO_IMAGE, image_code, image_shift, opposite_image};
 pub use error::GeometryError;
 pub use motion::Motion;
-pub use search::{NeighbourGrid, brute_force_pairs};
+pub use search::{NeighbourGrid, PairScratch, brute_force_pairs};
 pub use shape::{InertiaFactor, Shape};
 pub use surface::{Cylinder, Plane, Surface, SurfaceContact};
 pub use wall::{BoxWalls, Wall};

@@ -58,7 +58,7 @@ impl Motion {
         }))
     }
 
-    /// Displacements [m] at times [s], straight lines between them, and rest before the first and after the last.
+    /// Displacements (m) at times (s), straight lines between them, and rest before the first and after the last.
     ///
     /// The velocity jumps at the times of the table, where it is that of the line that begins; the acceleration is
     /// reported as 0 everywhere, without the pulse at the jumps.
@@ -83,7 +83,7 @@ impl Motion {
         Ok(Self(Kind::Table(rows)))
     }
 
-    /// Rotation about the line through `point` [m] along `axis` (of any length) with `angular_velocity` [rad/s],
+    /// Rotation about the line through `point` (m) along `axis` (of any length) with `angular_velocity` (rad/s),
     /// positive by the right-hand rule.
     ///
     /// # Errors
@@ -177,7 +177,7 @@ impl Motion {
         }
     }
 
-    /// Velocity of the wall's material at the place `position` [m] at time `t`, m/s.
+    /// Velocity of the wall's material at the place `position` (m) at time `t`, m/s.
     pub fn velocity_at(&self, position: Vector3<f64>, t: f64) -> Vector3<f64> {
         match &self.0 {
             Kind::Rotation { point, axis, angular_velocity } => {
@@ -187,7 +187,7 @@ impl Motion {
         }
     }
 
-    /// Acceleration of the wall's material at the place `position` [m] at time `t`, m/s^2; centripetal for a
+    /// Acceleration of the wall's material at the place `position` (m) at time `t`, m/s^2; centripetal for a
     /// rotation.
     pub fn acceleration_at(&self, position: Vector3<f64>, t: f64) -> Vector3<f64> {
         match &self.0 {

@@ -4,13 +4,16 @@ mod bins;
 mod brute;
 mod curve;
 mod grid;
+mod near;
+mod pairs;
 #[cfg(test)]
 mod tests;
 
 pub use brute::brute_force_pairs;
 pub use grid::NeighbourGrid;
+pub use pairs::PairScratch;
 
-use crate::Cell;
+use crate::{Cell, IMAGE_CODES, image_shift};
 
 /// Periods and their inverses, 0 where a direction is not periodic.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,6 +26,14 @@ impl Images {
     fn new(cell: &Cell) -> Self {
         let period = cell.period();
         Self { period, inverse: period.map(|length| if length > 0.0 { 1.0 / length } else { 0.0 }) }
+    }
+
+    /// The shift s*L of every image code.
+    fn shifts(&self) -> [[f64; 3]; IMAGE_CODES] {
+        std::array::from_fn(|code| {
+            let shift = image_shift(code as u8);
+            std::array::from_fn(|axis| f64::from(shift[axis]) * self.period[axis])
+        })
     }
 
     /// Squared distance of the nearest image, and its code. Both searches use this one expression, so that their

@@ -60,7 +60,7 @@ impl Shape {
         }
     }
 
-    /// Volume [m^3] at the radius [m] from which a density makes a mass.
+    /// Volume (m^3) at the radius (m) from which a density makes a mass.
     ///
     /// A disc is 1 m thick. A hollow sphere counts with the space that it encloses, so its density is the mean
     /// density of shell and void. The products are taken from left to right as LAMMPS and LIGGGHTS take them, so
@@ -72,12 +72,12 @@ impl Shape {
         }
     }
 
-    /// Mass [kg] at the density [kg/m^3] and radius [m].
+    /// Mass (kg) at the density (kg/m^3) and radius (m).
     pub fn mass(self, density: f64, radius: f64) -> f64 {
         self.volume(radius) * density
     }
 
-    /// Moment of inertia q m R^2 [kg m^2].
+    /// Moment of inertia q m R^2 (kg m^2).
     pub fn moment_of_inertia(self, mass: f64, radius: f64) -> f64 {
         self.inertia_factor() * mass * radius * radius
     }

@@ -25,7 +25,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane through `point` [m]; `normal` may have any length and points to the allowed side.
+    /// A plane through `point` (m); `normal` may have any length and points to the allowed side.
     ///
     /// # Errors
     /// [`GeometryError::NotFinite`], [`GeometryError::ZeroVector`].
@@ -43,7 +43,7 @@ impl Plane {
         self.normal
     }
 
-    /// Where `position` [m] lies relative to the plane.
+    /// Where `position` (m) lies relative to the plane.
     pub fn contact(&self, position: Vector3<f64>) -> SurfaceContact {
         SurfaceContact {
             distance: (position - self.point).dot(&self.normal),
@@ -63,7 +63,7 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// A cylinder around the line through `point` [m] along `axis` (of any length), of positive `radius` [m];
+    /// A cylinder around the line through `point` (m) along `axis` (of any length), of positive `radius` (m);
     /// `inside` says that the allowed side is the inside.
     ///
     /// # Errors
@@ -103,7 +103,7 @@ impl Cylinder {
         self.inside
     }
 
-    /// Where `position` [m] lies relative to the cylinder. On the axis, where each direction is as near, the normal is
+    /// Where `position` (m) lies relative to the cylinder. On the axis, where each direction is as near, the normal is
     /// a fixed one across the axis.
     pub fn contact(&self, position: Vector3<f64>) -> SurfaceContact {
         let from_point = position - self.point;
@@ -148,7 +148,7 @@ impl From<Cylinder> for Surface {
 }
 
 impl Surface {
-    /// Where `position` [m] lies relative to the surface.
+    /// Where `position` (m) lies relative to the surface.
     pub fn contact(&self, position: Vector3<f64>) -> SurfaceContact {
         match self {
             Self::Plane(plane) => plane.contact(position),
@@ -156,7 +156,7 @@ impl Surface {
         }
     }
 
-    /// The surface displaced by `displacement` [m].
+    /// The surface displaced by `displacement` (m).
     pub fn displaced(mut self, displacement: Vector3<f64>) -> Self {
         match &mut self {
             Self::Plane(plane) => plane.point += displacement,
@@ -165,7 +165,7 @@ impl Surface {
         self
     }
 
-    /// The surface turned by `rotation` about `centre` [m].
+    /// The surface turned by `rotation` about `centre` (m).
     pub fn rotated(mut self, rotation: &Rotation3<f64>, centre: Vector3<f64>) -> Self {
         let (point, direction) = match &mut self {
             Self::Plane(plane) => (&mut plane.point, &mut plane.normal),

@@ -38,7 +38,7 @@ impl Wall {
         self.turns_in_place || self.motion.is_fixed()
     }
 
-    /// The surface at time `t` [s].
+    /// The surface at time `t` (s).
     pub fn surface_at(&self, t: f64) -> Surface {
         if self.keeps_its_place() {
             return self.surface;
@@ -49,13 +49,13 @@ impl Wall {
         }
     }
 
-    /// Where `position` [m] lies relative to the wall at time `t` [s]. For many bodies at one time, call
+    /// Where `position` (m) lies relative to the wall at time `t` (s). For many bodies at one time, call
     /// [`Self::surface_at`] once.
     pub fn contact(&self, position: Vector3<f64>, t: f64) -> SurfaceContact {
         self.surface_at(t).contact(position)
     }
 
-    /// Velocity of the wall's material at the place `position` [m] at time `t` [s], m/s.
+    /// Velocity of the wall's material at the place `position` (m) at time `t` (s), m/s.
     pub fn velocity_at(&self, position: Vector3<f64>, t: f64) -> Vector3<f64> {
         self.motion.velocity_at(position, t)
     }
@@ -70,7 +70,7 @@ pub struct BoxWalls {
 }
 
 impl BoxWalls {
-    /// A box from `lo` to `hi` [m]; `faces[axis]` says whether there is a wall at its lower and its upper bound.
+    /// A box from `lo` to `hi` (m); `faces[axis]` says whether there is a wall at its lower and its upper bound.
     ///
     /// # Errors
     /// [`GeometryError::NotFinite`] where a face has no finite place, [`GeometryError::EmptyExtent`] where a direction

@@ -1,7 +1,6 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::image_shift;
 
 #[derive(Debug, Default, PartialEq)]
 struct Lists {
@@ -132,26 +131,25 @@ fn an_outlier_does_not_make_the_cells_coarse() {
 }
 
 #[test]
-fn whole_lists_and_parts_agree() {
-    let cell = Cell::new([0.0; 3], [1.0; 3], [true, true, false]).unwrap();
+fn parts_in_any_order_give_the_same_list() {
     let bodies = bodies_in(500, [0.0; 3], [1.0; 3], [0.02, 0.06], 3);
-    let mut grid = NeighbourGrid::new();
-    let whole = by_grid(&mut grid, &bodies, &cell, 0.01);
-    grid.build(&bodies, &cell, 0.01);
-    let (mut found, mut part) = (Vec::new(), Lists::default());
-    for range in [0..123, 123..124, 124..500] {
-        let (first, last) = (whole.start[range.start] as usize, whole.start[range.end] as usize);
-        grid.pairs_of(
-            range.clone(),
-            &bodies,
-            &mut found,
-            &mut part.start,
-            &mut part.partner,
-            &mut part.image,
-        );
-        assert_eq!(part.partner, whole.partner[first..last]);
-        assert_eq!(part.image, whole.image[first..last]);
-        assert!(range.zip(&part.start).all(|(i, s)| *s + first as u32 == whole.start[i]));
+    // A period of one cell, of many cells, and bodies outside the period take different paths.
+    for (hi, margin) in [([1.0; 3], 0.01), ([0.8, 1.0, 1.0], 0.01), ([1.0; 3], 0.3)] {
+        let cell = Cell::new([0.0; 3], hi, [true, true, false]).unwrap();
+        let mut grid = NeighbourGrid::new();
+        let whole = by_grid(&mut grid, &bodies, &cell, margin);
+        assert!(!whole.partner.is_empty());
+        for parts in [2, 7, 600] {
+            let mut found: Vec<PairScratch> = (0..parts).map(|_| PairScratch::default()).collect();
+            grid.build(&bodies, &cell, margin);
+            for (part, scratch) in found.iter_mut().enumerate() {
+                grid.find(part, parts, scratch);
+            }
+            found.reverse();
+            let mut lists = Lists::default();
+            grid.assemble(&found, &mut lists.start, &mut lists.partner, &mut lists.image);
+            assert_eq!(lists, whole);
+        }
     }
 }
 
