@@ -26,7 +26,11 @@ pub enum HistoryUpdate {
 /// Which tangential force is held against the Coulomb limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoulombTest {
-    /// Spring and damper together; while sliding the spring keeps what the damper leaves.
+    /// First the spring alone: it is cut to the limit. Then spring and damper together: the force is cut to the limit
+    /// and the spring stays as it is. Never creates energy.
+    SpringThenTotal,
+    /// Spring and damper together; while sliding the spring keeps what the damper leaves (LAMMPS). A strong damper then
+    /// winds the spring up backwards, which can create energy in grazing impacts.
     Total,
     /// The spring alone; the damper acts only while sticking (LIGGGHTS).
     SpringOnly,
@@ -79,7 +83,7 @@ impl Conventions {
         wall_torque_arm: Arm::FullOverlap,
         wall_slip_arm: Arm::FullOverlap,
         history_update: HistoryUpdate::RotateThenIncrement,
-        coulomb_test: CoulombTest::Total,
+        coulomb_test: CoulombTest::SpringThenTotal,
         coulomb_cap: CoulombCap::Repulsive,
         velocity: VelocityRule::Synchronised,
     };

@@ -153,7 +153,8 @@ pub struct LawInfo {
     pub sources: &'static [Source],
     /// Slot in the composition.
     pub slot: Slot,
-    /// Columns that it reads besides the overlap and the normal.
+    /// Columns that it reads besides the overlap and the normal, in whatever form
+    /// ([`ContactLaw::reads`](crate::ContactLaw::reads) may say fewer).
     pub reads: Columns,
     /// Columns that it writes.
     pub writes: Columns,

@@ -12,6 +12,7 @@ mod context;
 mod conventions;
 mod info;
 mod oracle;
+pub mod oscillator;
 mod params;
 mod real;
 mod registry;

@@ -1,6 +1,8 @@
 //! The trait that a law implements, and the registry of all linked laws.
 
-use crate::{Impact, LawError, LawInfo, NormalSummary, Oracle, PairContext, Params, Real, Stage, TimeScale};
+use crate::{
+    Columns, Impact, LawError, LawInfo, NormalSummary, Oracle, PairContext, Params, Real, Stage, TimeScale,
+};
 
 /// Version of this interface. A law crate built against another one would register where nobody looks; the number makes
 /// such a mistake visible in `granule laws`.
@@ -35,6 +37,17 @@ pub trait ContactLaw: 'static {
     /// Closed form for a single impact.
     fn oracle(params: &Params, pair: &PairContext) -> Oracle;
 
+    /// Columns that the law reads with these parameters: all of [`LawInfo::reads`] or fewer.
+    fn reads(_params: &Params) -> Columns {
+        Self::INFO.reads
+    }
+
+    /// True if the law promises never to create energy with these parameters: [`LawInfo::dissipative`], or false where
+    /// one form of a law cannot promise it.
+    fn dissipative(_params: &Params) -> bool {
+        Self::INFO.dissipative
+    }
+
     /// Distance beyond touching at which the law still acts \[m\].
     fn reach(_params: &Params, _pair: &PairContext) -> f64 {
         0.0
@@ -65,6 +78,10 @@ pub struct LawEntry {
     pub oracle: fn(&Params, &PairContext) -> Oracle,
     /// [`ContactLaw::reach`].
     pub reach: fn(&Params, &PairContext) -> f64,
+    /// [`ContactLaw::reads`].
+    pub reads: fn(&Params) -> Columns,
+    /// [`ContactLaw::dissipative`].
+    pub dissipative: fn(&Params) -> bool,
 }
 
 impl LawEntry {
@@ -81,6 +98,8 @@ impl LawEntry {
             summary: L::summary,
             oracle: L::oracle,
             reach: L::reach,
+            reads: L::reads,
+            dissipative: L::dissipative,
         }
     }
 }
