@@ -5,12 +5,11 @@ use std::sync::Arc;
 use granule_law_api::{Arm, Columns, ContactChunk, EnergyColumns, Real, Stage};
 use granule_plan::Composition;
 
-use crate::space::Space;
 use crate::tally::Tally;
 
 /// Contacts per batch. Half of the largest chunk that laws must accept: the columns of a batch then stay in the first
 /// and second level cache.
-pub(crate) const BATCH: usize = 128;
+pub(crate) const BATCH: usize = 64;
 
 type Column<T> = [T; BATCH];
 
@@ -24,6 +23,10 @@ pub(crate) struct Batch<T> {
     pub distance_squared: Column<f64>,
     /// Distance at which they touch \[m\].
     pub touching_distance: Column<f64>,
+    /// Overlap in double precision \[m\].
+    pub depth: Column<f64>,
+    /// Sum of the inverse masses \[1/kg\].
+    pub inverse_mass: Column<f64>,
     /// Index of the pair in its list.
     pub pair: Column<u32>,
     /// Place of body i within the tile.
@@ -74,6 +77,8 @@ impl<T: Real> Batch<T> {
             separation: double(),
             distance_squared: [0.0; BATCH],
             touching_distance: [0.0; BATCH],
+            depth: [0.0; BATCH],
+            inverse_mass: [0.0; BATCH],
             pair: [0; BATCH],
             i: [0; BATCH],
             j: [0; BATCH],
@@ -101,11 +106,17 @@ impl<T: Real> Batch<T> {
         }
     }
 
+    /// Number of contacts, in a form from which the compiler sees that no column is left.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.count.min(BATCH)
+    }
+
     /// Unit normals and overlaps from the separations. Coincident centres get the x direction as normal: any choice is
     /// as good, and this one keeps action and reaction opposite and the run reproducible.
-    pub fn normalise<S: Space>(&mut self) {
-        let count = self.count;
-        for k in 0..count {
+    #[inline(always)]
+    pub fn normalise(&mut self) {
+        for k in 0..self.len() {
             let squared = self.distance_squared[k];
             let distance = squared.sqrt();
             let coincident = squared == 0.0;
@@ -113,13 +124,15 @@ impl<T: Real> Batch<T> {
             self.direction[0][k] = if coincident { 1.0 } else { self.separation[0][k] * inverse };
             self.direction[1][k] = self.separation[1][k] * inverse;
             self.direction[2][k] = self.separation[2][k] * inverse;
-            self.overlap[k] = T::of(self.touching_distance[k] - distance);
+            self.depth[k] = self.touching_distance[k] - distance;
+            self.overlap[k] = T::of(self.depth[k]);
         }
     }
 
     /// Normal and tangential velocity from relative and surface velocities.
+    #[inline(always)]
     pub fn project(&mut self, tangential: bool) {
-        let count = self.count;
+        let count = self.len();
         let [nx, ny, nz] = &self.direction;
         let [vx, vy, vz] = &self.velocity;
         for k in 0..count {
@@ -151,7 +164,7 @@ impl<T: Real> Batch<T> {
         time_step: f64,
         tally: Option<&mut Tally>,
     ) {
-        let n = self.count;
+        let n = self.len();
         if composition.writes.contains(Columns::TORQUE) {
             for column in &mut self.contact_torque {
                 column[..n].fill(T::ZERO);
@@ -219,8 +232,9 @@ impl<T: Real> Batch<T> {
     }
 
     /// Force on i, and n × f_t, in double precision.
+    #[inline(always)]
     pub fn assemble(&mut self, tangential: bool) {
-        let count = self.count;
+        let count = self.len();
         for axis in 0..3 {
             let (force, direction) = (&mut self.force[axis], &self.direction[axis]);
             for k in 0..count {
@@ -253,12 +267,12 @@ impl<T: Real> Batch<T> {
 /// Most scalar history columns of one stage.
 pub(crate) const HISTORY_LIMIT: usize = 16;
 
-/// Length of an arm for a body of radius `radius` at overlap `overlap` \[m\].
+/// Share of the overlap by which an arm is shorter than the radius.
 #[inline(always)]
-pub(crate) fn arm(rule: Arm, radius: f64, overlap: f64) -> f64 {
+pub(crate) fn share(rule: Arm) -> f64 {
     match rule {
-        Arm::Radius => radius,
-        Arm::HalfOverlap => radius - 0.5 * overlap,
-        Arm::FullOverlap => radius - overlap,
+        Arm::Radius => 0.0,
+        Arm::HalfOverlap => 0.5,
+        Arm::FullOverlap => 1.0,
     }
 }

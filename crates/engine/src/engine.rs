@@ -43,7 +43,7 @@ pub struct Engine {
     integrator: Box<dyn Integrator>,
     level: Level,
     lists: Lists,
-    pool: Option<rayon::ThreadPool>,
+    pool: Option<Arc<rayon::ThreadPool>>,
     step: u64,
     /// Number of the next force evaluation; starts at 2 so that no stamp of a fresh list looks recent.
     evaluation: u32,
@@ -69,7 +69,7 @@ impl Engine {
         let threads = threads.clamp(1, bodies.len().div_ceil(size).max(1));
         let pool = if threads > 1 {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            Some(pool.map_err(|error| EngineError::Threads(error.to_string()))?)
+            Some(Arc::new(pool.map_err(|error| EngineError::Threads(error.to_string()))?))
         } else {
             None
         };
@@ -126,7 +126,7 @@ impl Engine {
 
     /// Worker threads in use.
     pub fn threads(&self) -> usize {
-        self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
+        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
     /// How often candidate lists were rebuilt and pruned.
@@ -143,7 +143,15 @@ impl Engine {
     ///
     /// # Errors
     /// A number is no longer finite, or lists cannot be made. The state is then that of the failing step.
-    pub fn advance(&mut self, steps: u64, watch: &mut dyn FnMut(Phase)) -> Result<(), EngineError> {
+    pub fn advance(&mut self, steps: u64, watch: &mut (dyn FnMut(Phase) + Send)) -> Result<(), EngineError> {
+        // All steps run inside the pool, so that its threads stay awake between the phases of a step.
+        match self.pool.clone() {
+            Some(pool) => pool.install(|| self.advance_here(steps, watch)),
+            None => self.advance_here(steps, watch),
+        }
+    }
+
+    fn advance_here(&mut self, steps: u64, watch: &mut (dyn FnMut(Phase) + Send)) -> Result<(), EngineError> {
         let dt = self.plan.driver.step;
         for done in 0..steps {
             let last = done + 1 == steps;

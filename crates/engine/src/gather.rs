@@ -7,8 +7,9 @@ use granule_law_api::{Columns, Real, Stage};
 use granule_plan::{Composition, Plan, Precision, StagePlan};
 use granule_state::Row;
 
-use crate::chunk::{BATCH, Batch, OWN, arm};
+use crate::chunk::{BATCH, Batch, OWN, share};
 use crate::error::EngineError;
+use crate::prefetch::prefetch;
 use crate::space::{PlaneRotating, PlaneSmooth, Space, SpaceRotating, SpaceSmooth};
 use crate::tile::{Evaluation, Pair, Shared, Tile};
 
@@ -105,10 +106,10 @@ impl Level {
         torque: &mut [Row],
     ) {
         match (self.planar, self.rotation) {
-            (false, true) => tile.evaluate_with::<SpaceRotating, T>(arena, at, force, torque),
-            (false, false) => tile.evaluate_with::<SpaceSmooth, T>(arena, at, force, torque),
-            (true, true) => tile.evaluate_with::<PlaneRotating, T>(arena, at, force, torque),
-            (true, false) => tile.evaluate_with::<PlaneSmooth, T>(arena, at, force, torque),
+            (false, true) => crate::dispatch::evaluate::<SpaceRotating, T>(tile, arena, at, force, torque),
+            (false, false) => crate::dispatch::evaluate::<SpaceSmooth, T>(tile, arena, at, force, torque),
+            (true, true) => crate::dispatch::evaluate::<PlaneRotating, T>(tile, arena, at, force, torque),
+            (true, false) => crate::dispatch::evaluate::<PlaneSmooth, T>(tile, arena, at, force, torque),
         }
     }
 
@@ -128,7 +129,11 @@ pub(crate) fn history_width(plan: &Plan) -> usize {
     plan.compositions.iter().map(|composition| composition.history_width).max().unwrap_or(0)
 }
 
+/// How many pairs ahead the position of a second body is fetched.
+const AHEAD: usize = 24;
+
 /// Fills a batch with pairs of `range` that touch; returns where to go on.
+#[inline(always)]
 pub(crate) fn gather_pairs<T: Real>(
     batch: &mut Batch<T>,
     pairs: &[Pair],
@@ -142,8 +147,12 @@ pub(crate) fn gather_pairs<T: Real>(
     let own_position = &position[own.clone()];
     let mut count = 0;
     let mut index = range.start;
-    while index < range.end && count < BATCH {
-        let pair = pairs[index];
+    for pair in &pairs[range] {
+        if let Some(ahead) = pairs.get(index + AHEAD) {
+            prefetch(position, ahead.j as usize);
+        }
+        prefetch(at.bodies.velocity, pair.j as usize);
+        prefetch(at.bodies.spin, pair.j as usize);
         let (i, image) = (pair.i_image >> 5, (pair.i_image & 31) as usize);
         let a = &own_position[i as usize].0;
         let b = &position[pair.j as usize].0;
@@ -152,66 +161,89 @@ pub(crate) fn gather_pairs<T: Real>(
         let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         let touching = a[3] + b[3];
         let cross = !own.contains(&(pair.j as usize));
-        // Written for every candidate and kept only for those that touch: no branch to mispredict.
-        batch.separation[0][count] = d[0];
-        batch.separation[1][count] = d[1];
-        batch.separation[2][count] = d[2];
-        batch.distance_squared[count] = squared;
-        batch.touching_distance[count] = touching;
-        batch.arm[0][count] = a[3];
-        batch.arm[1][count] = b[3];
-        batch.pair[count] = index as u32;
-        batch.i[count] = i;
-        batch.j[count] = pair.j;
-        batch.outgoing[count] = if cross { *outgoing } else { OWN };
+        // Written for every candidate and kept only for those that touch: no branch to mispredict. The mask tells the
+        // compiler that no column is left.
+        let k = count & (BATCH - 1);
+        batch.separation[0][k] = d[0];
+        batch.separation[1][k] = d[1];
+        batch.separation[2][k] = d[2];
+        batch.distance_squared[k] = squared;
+        batch.touching_distance[k] = touching;
+        batch.arm[0][k] = a[3];
+        batch.arm[1][k] = b[3];
+        batch.pair[k] = index as u32;
+        batch.i[k] = i;
+        batch.j[k] = pair.j;
+        batch.outgoing[k] = if cross { *outgoing } else { OWN };
         *outgoing += u32::from(cross);
         let limit = touching + reach;
         count += usize::from(squared < limit * limit);
         index += 1;
+        if count == BATCH {
+            break;
+        }
     }
     batch.count = count;
     index
 }
 
 /// Gathers velocities, masses and radii of a batch of pairs; turns radii into lever arms.
+#[inline(always)]
 pub(crate) fn gather_kinematics<S: Space, T: Real>(
     batch: &mut Batch<T>,
-    first: usize,
+    own: &Range<usize>,
     bodies: &Shared<'_>,
     composition: &Composition,
 ) {
     let slips = composition.reads.contains(Columns::TANGENTIAL_VELOCITY);
     let spins = composition.reads.contains(Columns::RELATIVE_SPIN);
-    let conventions = &composition.context.conventions;
-    let radius = composition.reads.contains(Columns::REDUCED_RADIUS);
-    for k in 0..batch.count {
-        let (i, j) = (first + batch.i[k] as usize, batch.j[k] as usize);
-        let (a, b) = (bodies.velocity::<S>(i), bodies.velocity::<S>(j));
+    let count = batch.len();
+    let own_velocity = &bodies.velocity[own.clone()];
+    for k in 0..count {
+        let (a, b) = (&own_velocity[batch.i[k] as usize], &bodies.velocity[batch.j[k] as usize]);
         for axis in 0..S::COMPONENTS {
             batch.velocity[axis][k] = a[axis] - b[axis];
         }
-        batch.reduced_mass[k] = T::of(1.0 / (bodies.velocity[i][3] + bodies.velocity[j][3]));
-        let radii = [batch.arm[0][k], batch.arm[1][k]];
-        if radius {
-            batch.reduced_radius[k] = T::of(radii[0] * radii[1] / (radii[0] + radii[1]));
+        batch.inverse_mass[k] = a[3] + b[3];
+    }
+    let context = &composition.context;
+    if context.reduced_mass.is_single() {
+        batch.reduced_mass[..count].fill(T::of(context.reduced_mass.max));
+    } else {
+        for k in 0..count {
+            batch.reduced_mass[k] = T::of(1.0 / batch.inverse_mass[k]);
         }
-        if S::ROTATION && (slips || spins) {
-            let overlap = batch.touching_distance[k] - batch.distance_squared[k].sqrt();
+    }
+    if composition.reads.contains(Columns::REDUCED_RADIUS) {
+        if context.reduced_radius.is_single() {
+            batch.reduced_radius[..count].fill(T::of(context.reduced_radius.max));
+        } else {
+            let [a, b] = &batch.arm;
+            for k in 0..count {
+                batch.reduced_radius[k] = T::of(a[k] * b[k] / (a[k] + b[k]));
+            }
+        }
+    }
+    if S::ROTATION && (slips || spins) {
+        let conventions = &context.conventions;
+        let (slip, torque) = (share(conventions.pair_slip_arm), share(conventions.pair_torque_arm));
+        for k in 0..count {
+            let (i, j) = (own.start + batch.i[k] as usize, batch.j[k] as usize);
             let (wi, wj) = (bodies.spin::<S>(i), bodies.spin::<S>(j));
-            let slip = [
-                arm(conventions.pair_slip_arm, radii[0], overlap),
-                arm(conventions.pair_slip_arm, radii[1], overlap),
-            ];
+            let shortening = slip * batch.depth[k];
+            let (arm_i, arm_j) = (batch.arm[0][k] - shortening, batch.arm[1][k] - shortening);
             for axis in 0..3 {
-                batch.surface_velocity[axis][k] = slip[0] * wi[axis] + slip[1] * wj[axis];
+                batch.surface_velocity[axis][k] = arm_i * wi[axis] + arm_j * wj[axis];
             }
             if spins {
                 for axis in 0..3 {
                     batch.relative_spin[axis][k] = T::of(wi[axis] - wj[axis]);
                 }
             }
-            batch.arm[0][k] = arm(conventions.pair_torque_arm, radii[0], overlap);
-            batch.arm[1][k] = arm(conventions.pair_torque_arm, radii[1], overlap);
+        }
+        for k in 0..count {
+            batch.arm[0][k] -= torque * batch.depth[k];
+            batch.arm[1][k] -= torque * batch.depth[k];
         }
     }
 }

@@ -44,13 +44,34 @@ impl PairHistory {
     /// Fills the history columns of a batch; `now` is the number of this evaluation.
     #[inline(always)]
     pub fn load<T: Real>(&self, batch: &mut Batch<T>, now: u32) {
-        let width = self.width;
-        for k in 0..batch.count {
+        match self.width {
+            // The widths of a scalar memory and of a spring in the tangent plane, for which the loop is unrolled.
+            1 => self.load_width::<T, 1>(batch, now),
+            3 => self.load_width::<T, 3>(batch, now),
+            width => {
+                for k in 0..batch.len() {
+                    let pair = batch.pair[k] as usize;
+                    let continues = self.stamp[pair] == now.wrapping_sub(1);
+                    let values = &self.values[pair * width..(pair + 1) * width];
+                    for (column, value) in batch.history.iter_mut().zip(values) {
+                        column[k] = T::of(*value).keep_if(continues);
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn load_width<T: Real, const W: usize>(&self, batch: &mut Batch<T>, now: u32) {
+        let count = batch.len();
+        let Some(columns) = batch.history.first_chunk_mut::<W>() else { return };
+        let (rows, _) = self.values.as_chunks::<W>();
+        for k in 0..count {
             let pair = batch.pair[k] as usize;
             let continues = self.stamp[pair] == now.wrapping_sub(1);
-            let values = &self.values[pair * width..(pair + 1) * width];
-            for (column, value) in batch.history.iter_mut().zip(values) {
-                column[k] = if continues { T::of(*value) } else { T::ZERO };
+            let row = &rows[pair];
+            for axis in 0..W {
+                columns[axis][k] = T::of(row[axis]).keep_if(continues);
             }
         }
     }
@@ -58,13 +79,32 @@ impl PairHistory {
     /// Stores the history columns of a batch.
     #[inline(always)]
     pub fn store<T: Real>(&mut self, batch: &Batch<T>, now: u32) {
-        let width = self.width;
-        for k in 0..batch.count {
+        match self.width {
+            1 => self.store_width::<T, 1>(batch, now),
+            3 => self.store_width::<T, 3>(batch, now),
+            width => {
+                for k in 0..batch.len() {
+                    let pair = batch.pair[k] as usize;
+                    self.stamp[pair] = now;
+                    let values = &mut self.values[pair * width..(pair + 1) * width];
+                    for (column, value) in batch.history.iter().zip(values) {
+                        *value = column[k].wide();
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn store_width<T: Real, const W: usize>(&mut self, batch: &Batch<T>, now: u32) {
+        let Some(columns) = batch.history.first_chunk::<W>() else { return };
+        let (rows, _) = self.values.as_chunks_mut::<W>();
+        for k in 0..batch.len() {
             let pair = batch.pair[k] as usize;
             self.stamp[pair] = now;
-            let values = &mut self.values[pair * width..(pair + 1) * width];
-            for (column, value) in batch.history.iter().zip(values) {
-                *value = column[k].wide();
+            let row = &mut rows[pair];
+            for axis in 0..W {
+                row[axis] = columns[axis][k].wide();
             }
         }
     }

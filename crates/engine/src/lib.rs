@@ -8,11 +8,13 @@
 //! There is no input or output, clock, environment or randomness in here.
 
 mod chunk;
+mod dispatch;
 mod engine;
 mod error;
 mod gather;
 mod history;
 mod lists;
+mod prefetch;
 mod slices;
 mod space;
 mod tally;

@@ -123,6 +123,7 @@ impl Tile {
         level.evaluate(self, at, force, torque);
     }
 
+    #[inline(always)]
     pub(crate) fn evaluate_with<S: Space, T: crate::gather::Arithmetic>(
         &mut self,
         arena: &Arena<T>,
@@ -158,6 +159,7 @@ impl Tile {
         }
     }
 
+    #[inline(always)]
     fn pair_batch<S: Space, T: crate::gather::Arithmetic>(
         &mut self,
         batch: &mut Batch<T>,
@@ -170,8 +172,9 @@ impl Tile {
         let composition = &at.compositions[index];
         let reads = composition.reads;
         let tangential = composition.writes.contains(granule_law_api::Columns::TANGENTIAL_FORCE);
-        batch.normalise::<S>();
-        crate::gather::gather_kinematics::<S, T>(batch, self.first, at.bodies, composition);
+        let own = self.first..self.first + self.len;
+        batch.normalise();
+        crate::gather::gather_kinematics::<S, T>(batch, &own, at.bodies, composition);
         batch.project(reads.contains(granule_law_api::Columns::TANGENTIAL_VELOCITY));
         let remembers = composition.history_width > 0;
         if remembers {
@@ -188,7 +191,8 @@ impl Tile {
             self.tally.maximum_overlap = self.tally.maximum_overlap.max(batch.maximum_overlap());
         }
         let rolls = composition.writes.contains(granule_law_api::Columns::TORQUE);
-        for k in 0..batch.count {
+        let force = &mut force[..self.len];
+        for k in 0..batch.len() {
             let f = [batch.force[0][k], batch.force[1][k], batch.force[2][k]];
             let (mut on_i, mut on_j) = ([0.0; 3], [0.0; 3]);
             if S::ROTATION {
@@ -207,8 +211,8 @@ impl Tile {
             if batch.outgoing[k] == OWN {
                 add::<S>(force, torque, batch.j[k] as usize - self.first, -1.0, f, on_j);
             } else {
-                self.outbox[batch.outgoing[k] as usize] =
-                    Outgoing { force: [-f[0], -f[1], -f[2]], torque: on_j };
+                let out = &mut self.outbox[batch.outgoing[k] as usize];
+                *out = Outgoing { force: [-f[0], -f[1], -f[2]], torque: on_j };
             }
         }
     }

@@ -6,7 +6,7 @@ use granule_plan::{Composition, WallPlan};
 use granule_state::Row;
 use nalgebra::Vector3;
 
-use crate::chunk::{BATCH, Batch, arm};
+use crate::chunk::{BATCH, Batch, share};
 use crate::gather::{Arena, Arithmetic};
 use crate::history::PairHistory;
 use crate::space::{Space, add};
@@ -125,9 +125,9 @@ impl Tile {
         place: usize,
     ) {
         let conventions = &composition.context.conventions;
-        batch.arm[0][k] = arm(conventions.wall_torque_arm, radius, overlap);
+        batch.arm[0][k] = radius - share(conventions.wall_torque_arm) * overlap;
         if S::ROTATION {
-            let slip = arm(conventions.wall_slip_arm, radius, overlap);
+            let slip = radius - share(conventions.wall_slip_arm) * overlap;
             let spin = bodies.spin::<S>(place);
             for axis in 0..3 {
                 batch.surface_velocity[axis][k] = slip * spin[axis];
@@ -163,7 +163,7 @@ impl Tile {
             self.tally.maximum_overlap = self.tally.maximum_overlap.max(batch.maximum_overlap());
         }
         let rolls = composition.writes.contains(Columns::TORQUE);
-        for k in 0..batch.count {
+        for k in 0..batch.len() {
             let f = [batch.force[0][k], batch.force[1][k], batch.force[2][k]];
             let mut on_body = [0.0; 3];
             if S::ROTATION {

@@ -10,6 +10,7 @@
 mod chunk;
 mod context;
 mod conventions;
+mod dispatch;
 mod info;
 mod oracle;
 pub mod oscillator;
@@ -21,6 +22,7 @@ pub mod testing;
 pub use chunk::{CHUNK, ContactChunk, EnergyColumns, Stage};
 pub use context::{ContactEnd, DurationRule, NormalSummary, PairContext, Span};
 pub use conventions::{Arm, Conventions, CoulombCap, CoulombTest, HistoryUpdate, VelocityRule};
+pub use dispatch::vectorised;
 pub use granule_units::Dimension;
 pub use info::{Columns, HistoryColumn, LawInfo, Parity, Slot, Source};
 pub use oracle::{Impact, ImpactOutcome, NormalOracle, ObliqueImpact, Oracle, TangentialOracle, TimeScale};
