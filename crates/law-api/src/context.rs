@@ -1,6 +1,6 @@
 //! What a law is told about the pair of materials that it is compiled for.
 
-use crate::{Columns, Conventions};
+use crate::{Columns, Conventions, TimeScale};
 
 /// When a contact ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +48,8 @@ pub enum DurationRule {
 pub struct NormalSummary {
     /// Duration of a contact under the chosen contact-end rule.
     pub duration: DurationRule,
+    /// Time scale of an impact at the largest speed expected, where the law knows it.
+    pub scale: Option<TimeScale>,
 }
 
 /// The pair of materials that a law is compiled for, and what the run expects of it.

@@ -54,6 +54,9 @@ pub enum Oracle {
 }
 
 /// Time scale of a contact, from which the plan chooses or refuses a time step.
+///
+/// A tangential law gives stiffness and damping as the reduced mass m12 feels them, that is multiplied by m12/m_t, so that
+/// sqrt(stiffness/m12) is a frequency for every law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeScale {
     /// Duration of the contact \[s\].

@@ -1,1 +1,3 @@
 //! Conformance kit.
+
+pub mod reference;

@@ -1,0 +1,5 @@
+//! Linear spring with dashpot along the normal.
+
+mod linear_spring_dashpot;
+
+pub use linear_spring_dashpot::LinearSpringDashpot;

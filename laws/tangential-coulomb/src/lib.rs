@@ -1,0 +1,5 @@
+//! Dynamic Coulomb friction.
+
+mod coulomb;
+
+pub use coulomb::Coulomb;

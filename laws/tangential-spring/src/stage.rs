@@ -1,0 +1,326 @@
+//! The loop.
+
+use granule_law_api::{ContactChunk, Conventions, CoulombCap, CoulombTest, HistoryUpdate, Real, Stage};
+
+use crate::forms::{Damping, Model, Stiffness};
+
+/// Contacts whose stiffness, damping and limit are worked out before the main loop runs over them: few enough to stay in
+/// registers' reach, many enough to pay for the choice of formulas.
+const BLOCK: usize = 64;
+
+const ROTATE: u8 = 0;
+const ROTATE_IF_TILTED: u8 = 1;
+const PROJECT: u8 = 2;
+const SPRING_THEN_TOTAL: u8 = 0;
+const TOTAL: u8 = 1;
+const SPRING_ONLY: u8 = 2;
+
+struct Spring<T, const UPDATE: u8, const TEST: u8, const DAMPED: bool> {
+    stiffness: (Stiffness, T),
+    damping: (Damping, T),
+    friction: T,
+    repulsive: bool,
+}
+
+pub(crate) fn compile<T: Real>(model: &Model, conventions: &Conventions) -> Box<dyn Stage<T>> {
+    match conventions.history_update {
+        HistoryUpdate::RotateThenIncrement => with_update::<T, ROTATE>(model, conventions),
+        HistoryUpdate::RotateIfTiltedThenIncrement => with_update::<T, ROTATE_IF_TILTED>(model, conventions),
+        HistoryUpdate::IncrementThenProject => with_update::<T, PROJECT>(model, conventions),
+    }
+}
+
+fn with_update<T: Real, const UPDATE: u8>(model: &Model, conventions: &Conventions) -> Box<dyn Stage<T>> {
+    match conventions.coulomb_test {
+        CoulombTest::SpringThenTotal => with_test::<T, UPDATE, SPRING_THEN_TOTAL>(model, conventions),
+        CoulombTest::Total => with_test::<T, UPDATE, TOTAL>(model, conventions),
+        CoulombTest::SpringOnly => with_test::<T, UPDATE, SPRING_ONLY>(model, conventions),
+    }
+}
+
+fn with_test<T: Real, const UPDATE: u8, const TEST: u8>(
+    model: &Model,
+    conventions: &Conventions,
+) -> Box<dyn Stage<T>> {
+    if model.damping == Damping::Zero {
+        Box::new(Spring::<T, UPDATE, TEST, false>::new(model, conventions))
+    } else {
+        Box::new(Spring::<T, UPDATE, TEST, true>::new(model, conventions))
+    }
+}
+
+impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UPDATE, TEST, DAMPED> {
+    fn new(model: &Model, conventions: &Conventions) -> Self {
+        let stiffness = match model.stiffness {
+            Stiffness::Fixed(value)
+            | Stiffness::Mass(value)
+            | Stiffness::Normal(value)
+            | Stiffness::ContactRadius(value) => value,
+        };
+        let damping = match model.damping {
+            Damping::Zero => 0.0,
+            Damping::Fixed(value)
+            | Damping::Mass(value)
+            | Damping::Normal(value)
+            | Damping::MassContactRadius(value)
+            | Damping::Critical(value) => value,
+        };
+        Self {
+            stiffness: (model.stiffness, T::of(stiffness)),
+            damping: (model.damping, T::of(damping)),
+            friction: T::of(model.friction),
+            repulsive: conventions.coulomb_cap == CoulombCap::Repulsive,
+        }
+    }
+
+    /// Stiffness, damping and Coulomb limit of the contacts of one block.
+    #[inline(always)]
+    fn coefficients(&self, chunk: &ContactChunk<'_, T>, start: usize, block: &mut Block<T>, n: usize) {
+        let stiffness = &mut block.stiffness[..n];
+        let damping = &mut block.damping[..n];
+        let limit = &mut block.limit[..n];
+        let overlap = &chunk.overlap[start..][..n];
+        let (rule, factor) = self.stiffness;
+        match rule {
+            Stiffness::Fixed(_) => stiffness.fill(factor),
+            Stiffness::Mass(_) => scale(stiffness, factor, &chunk.reduced_mass[start..][..n]),
+            Stiffness::Normal(_) => scale(stiffness, factor, &chunk.normal_stiffness[start..][..n]),
+            Stiffness::ContactRadius(_) => {
+                let radius = &chunk.reduced_radius[start..][..n];
+                for k in 0..n {
+                    stiffness[k] = factor * (radius[k] * overlap[k].max(T::ZERO)).sqrt();
+                }
+            }
+        }
+        let (rule, factor) = self.damping;
+        match rule {
+            Damping::Zero => {}
+            Damping::Fixed(_) => damping.fill(factor),
+            Damping::Mass(_) => scale(damping, factor, &chunk.reduced_mass[start..][..n]),
+            Damping::Normal(_) => scale(damping, factor, &chunk.normal_damping[start..][..n]),
+            Damping::MassContactRadius(_) => {
+                let mass = &chunk.reduced_mass[start..][..n];
+                let radius = &chunk.reduced_radius[start..][..n];
+                for k in 0..n {
+                    damping[k] = factor * mass[k] * (radius[k] * overlap[k].max(T::ZERO)).sqrt();
+                }
+            }
+            Damping::Critical(_) => {
+                let mass = &chunk.reduced_mass[start..][..n];
+                for k in 0..n {
+                    damping[k] = factor * (stiffness[k] * mass[k]).sqrt();
+                }
+            }
+        }
+        let force = &chunk.normal_force[start..][..n];
+        if self.friction == T::of(f64::INFINITY) {
+            limit.fill(self.friction);
+        } else if self.repulsive {
+            for k in 0..n {
+                limit[k] = self.friction * force[k].max(T::ZERO);
+            }
+        } else {
+            for k in 0..n {
+                limit[k] = self.friction * force[k].abs();
+            }
+        }
+    }
+
+    /// Spring before and after the step's slip.
+    #[inline(always)]
+    fn advance(&self, spring: [T; 3], n: [T; 3], slip: [T; 3], threshold: T) -> ([T; 3], [T; 3]) {
+        if UPDATE == PROJECT {
+            return (spring, tangent(add(spring, slip), n));
+        }
+        let flat = tangent(spring, n);
+        let (before, after) = (dot(spring, spring), dot(flat, flat));
+        // Squares of very short springs underflow; they turn without their length being restored.
+        let ratio = if after > T::ZERO { before / after } else { T::ONE };
+        let turned = times(flat, ratio.sqrt());
+        let turned = if UPDATE == ROTATE_IF_TILTED {
+            let tilted = dot(spring, n).abs() > threshold;
+            [
+                if tilted { turned[0] } else { spring[0] },
+                if tilted { turned[1] } else { spring[1] },
+                if tilted { turned[2] } else { spring[2] },
+            ]
+        } else {
+            turned
+        };
+        (turned, add(turned, slip))
+    }
+
+    /// Spring after the Coulomb test, force (opposite to that on i), share of the damper that acts, and whether the contact
+    /// slides.
+    #[inline(always)]
+    fn hold(&self, spring: [T; 3], velocity: [T; 3], k: T, gamma: T, limit: T) -> Held<T> {
+        let damper = if DAMPED { times(velocity, gamma) } else { [T::ZERO; 3] };
+        if TEST == TOTAL {
+            let trial = add(times(spring, k), damper);
+            let (slides, cut) = cut(trial, limit);
+            let empty = !self.repulsive && slides && dot(spring, spring) == T::ZERO;
+            let force = times(trial, if empty { T::ZERO } else { cut });
+            // What the damper leaves of the limit; nothing is left of a spring without stiffness.
+            let wound = if k > T::ZERO { (T::ONE - cut) / k } else { T::ZERO };
+            let wound = if empty { T::ZERO } else { wound };
+            let kept = times(spring, cut);
+            let spring = if DAMPED { add(kept, times(damper, -wound)) } else { kept };
+            return Held { spring, force, damper: if empty { T::ZERO } else { T::ONE }, slides };
+        }
+        let (slides, share) = cut(times(spring, k), limit);
+        let spring = times(spring, share);
+        let elastic = times(spring, k);
+        if TEST == SPRING_ONLY {
+            let damper_share = if slides { T::ZERO } else { T::ONE };
+            let force = if DAMPED { add(elastic, times(damper, damper_share)) } else { elastic };
+            return Held { spring, force, damper: damper_share, slides };
+        }
+        if !DAMPED {
+            return Held { spring, force: elastic, damper: T::ZERO, slides };
+        }
+        let total = add(elastic, damper);
+        let (over, share) = cut(total, limit);
+        Held { spring, force: times(total, share), damper: share, slides: slides || over }
+    }
+}
+
+struct Held<T> {
+    spring: [T; 3],
+    force: [T; 3],
+    damper: T,
+    slides: bool,
+}
+
+struct Block<T> {
+    stiffness: [T; BLOCK],
+    damping: [T; BLOCK],
+    limit: [T; BLOCK],
+}
+
+impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Stage<T>
+    for Spring<T, UPDATE, TEST, DAMPED>
+{
+    fn run(&self, chunk: &mut ContactChunk<'_, T>) {
+        let mut block =
+            Block { stiffness: [T::ZERO; BLOCK], damping: [T::ZERO; BLOCK], limit: [T::ZERO; BLOCK] };
+        let total = chunk.len();
+        let mut start = 0;
+        while start < total {
+            let n = (total - start).min(BLOCK);
+            self.coefficients(chunk, start, &mut block, n);
+            if chunk.energy.is_some() {
+                self.run_block::<true>(chunk, start, &block, n);
+            } else {
+                self.run_block::<false>(chunk, start, &block, n);
+            }
+            start += n;
+        }
+    }
+}
+
+impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UPDATE, TEST, DAMPED> {
+    #[inline(always)]
+    fn run_block<const ENERGY: bool>(
+        &self,
+        chunk: &mut ContactChunk<'_, T>,
+        start: usize,
+        block: &Block<T>,
+        n: usize,
+    ) {
+        let dt = chunk.time_step;
+        let advances = dt > T::ZERO;
+        let per_step = if advances { T::ONE / dt } else { T::ZERO };
+        let overlap = &chunk.overlap[start..][..n];
+        let [nx, ny, nz] = chunk.normal.map(|column| &column[start..][..n]);
+        let [vx, vy, vz] = chunk.tangential_velocity.map(|column| &column[start..][..n]);
+        let [fx, fy, fz] = &mut chunk.tangential_force;
+        let (fx, fy, fz) = (&mut fx[start..][..n], &mut fy[start..][..n], &mut fz[start..][..n]);
+        let [sx, sy, sz] = &mut *chunk.history else {
+            panic!("TangentialSpring has three history columns, not {}", chunk.history.len());
+        };
+        let (sx, sy, sz) = (&mut sx[start..][..n], &mut sy[start..][..n], &mut sz[start..][..n]);
+        let (stiffness, damping, limits) = (&block.stiffness[..n], &block.damping[..n], &block.limit[..n]);
+        let mut none: [&mut [T]; 3] = [&mut [], &mut [], &mut []];
+        let [elastic, viscous, friction] = match &mut chunk.energy {
+            Some(energy) if ENERGY => [
+                &mut energy.elastic[start..][..n],
+                &mut energy.viscous[start..][..n],
+                &mut energy.friction[start..][..n],
+            ],
+            _ => none.each_mut().map(|column| &mut **column),
+        };
+        let normal_velocity = if ENERGY { &chunk.normal_velocity[start..][..n] } else { &[][..] };
+        let stiffens = ENERGY && matches!(self.stiffness.0, Stiffness::ContactRadius(_));
+        for k in 0..n {
+            let normal = [nx[k], ny[k], nz[k]];
+            let velocity = [vx[k], vy[k], vz[k]];
+            let spring = [sx[k], sy[k], sz[k]];
+            let touches = overlap[k] > T::ZERO;
+            let (kt, limit) = (stiffness[k], limits[k]);
+            // LAMMPS turns the spring only if its force out of the tangent plane exceeds 1e-10 of the limit.
+            let threshold = if self.friction < T::of(f64::INFINITY) { T::of(1e-10) * limit } else { T::ZERO };
+            let threshold = if kt > T::ZERO { threshold / kt } else { T::ZERO };
+            let (before, trial) = self.advance(spring, normal, times(velocity, dt), threshold);
+            let held = self.hold(trial, velocity, kt, damping[k], limit);
+            fx[k] = (-held.force[0]).keep_if(touches);
+            fy[k] = (-held.force[1]).keep_if(touches);
+            fz[k] = (-held.force[2]).keep_if(touches);
+            sx[k] = if advances { held.spring[0].keep_if(touches) } else { spring[0] };
+            sy[k] = if advances { held.spring[1].keep_if(touches) } else { spring[1] };
+            sz[k] = if advances { held.spring[2].keep_if(touches) } else { spring[2] };
+            if ENERGY {
+                let stored = times(held.spring, kt);
+                let half = T::of(0.5);
+                elastic[k] = (half * dot(stored, held.spring)).keep_if(touches);
+                let damped =
+                    if DAMPED { held.damper * damping[k] * dot(velocity, velocity) } else { T::ZERO };
+                let change = dot(stored, add(held.spring, times(before, -T::ONE))) * per_step;
+                let slid = (dot(held.force, velocity) - damped - change).keep_if(held.slides);
+                friction[k] = slid.keep_if(touches);
+                // A stiffness that follows the contact radius changes the stored energy without work.
+                let stiffening = if stiffens {
+                    -(half * half) * dot(stored, held.spring) * normal_velocity[k] / overlap[k]
+                } else {
+                    T::ZERO
+                };
+                viscous[k] = (damped + stiffening).keep_if(touches);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn scale<T: Real>(out: &mut [T], factor: T, by: &[T]) {
+    for (out, by) in out.iter_mut().zip(by) {
+        *out = factor * *by;
+    }
+}
+
+/// Whether a force exceeds the limit, and the factor that cuts it to the limit.
+#[inline(always)]
+fn cut<T: Real>(force: [T; 3], limit: T) -> (bool, T) {
+    let size = dot(force, force).sqrt();
+    let over = size > limit;
+    (over, if over { limit / size } else { T::ONE })
+}
+
+#[inline(always)]
+fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn add<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+fn times<T: Real>(a: [T; 3], factor: T) -> [T; 3] {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+/// Part of `a` in the plane normal to the unit vector `n`.
+#[inline(always)]
+fn tangent<T: Real>(a: [T; 3], n: [T; 3]) -> [T; 3] {
+    add(a, times(n, -dot(a, n)))
+}

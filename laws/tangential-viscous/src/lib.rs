@@ -1,0 +1,5 @@
+//! Viscous tangential force, with or without a friction limit.
+
+mod viscous_tangential;
+
+pub use viscous_tangential::ViscousTangential;
