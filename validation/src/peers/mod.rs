@@ -1,0 +1,37 @@
+//! LAMMPS and LIGGGHTS: what they are told, how they are run, and how their answer is compared.
+//!
+//! ```text
+//! PeerScene ──> InputFiles ──> run ──> Frames ──> compare
+//!     │                         └──> Record (kept in the repository for machines without the engines)
+//!     └──> oracle (the same equations, one contact at a time, with every convention a switch)
+//! ```
+
+pub mod compare;
+mod dump;
+mod error;
+mod frame;
+mod inputs;
+mod lammps;
+mod liggghts;
+mod model;
+pub mod oracle;
+mod process;
+mod record;
+mod run;
+#[cfg(test)]
+mod tests;
+mod vector;
+#[cfg(test)]
+use vector::Vector;
+
+pub use error::PeerError;
+pub use frame::{Frame, Quantity};
+pub use inputs::{InputFiles, inputs};
+pub use model::{
+    Axis, ClassicLaw, ClassicStyle, Engine, GranularDamping, GranularLaw, GranularNormal, GranularTangential,
+    LiggghtsLaw, LiggghtsNormal, LiggghtsTangential, PeerBody, PeerLaw, PeerMaterial, PeerScene, PeerWall,
+    Side,
+};
+pub use process::{RunOptions, find_binary};
+pub use record::{Record, today};
+pub use run::{PeerRun, run};

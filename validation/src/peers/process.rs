@@ -1,0 +1,123 @@
+//! Finding and running an executable, with a time limit.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::{Engine, PeerError};
+
+/// How to run an engine.
+#[derive(Clone, Copy, Debug)]
+pub struct RunOptions {
+    /// MPI ranks; 1 runs without `mpirun`. Dumps of different rank counts differ in the last bits.
+    pub ranks: usize,
+    /// After this time the run is killed.
+    pub timeout: Duration,
+}
+
+impl Default for RunOptions {
+    fn default() -> Self {
+        Self { ranks: 1, timeout: Duration::from_secs(120) }
+    }
+}
+
+/// What a finished process left.
+pub struct Finished {
+    /// The command, as one would type it.
+    pub command: String,
+    /// Its standard output.
+    pub output: String,
+}
+
+/// The engine's executable, if it is in `PATH`.
+pub fn find_binary(engine: Engine) -> Option<PathBuf> {
+    in_path(engine.binary())
+}
+
+fn in_path(name: &str) -> Option<PathBuf> {
+    let path = std::env::var_os("PATH")?;
+    std::env::split_paths(&path).map(|folder| folder.join(name)).find(|candidate| candidate.is_file())
+}
+
+/// Last lines of a text, for error messages.
+pub fn last_lines(text: &str) -> String {
+    const LINES: usize = 15;
+    let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
+    lines[lines.len().saturating_sub(LINES)..].join("\n")
+}
+
+/// Arguments of the engine for a script, as typed; also recorded with references.
+pub fn command_line(engine: Engine, script: &str, ranks: usize) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    if ranks > 1 {
+        words.extend(["mpirun", "-np", &ranks.to_string(), "--bind-to", "none"].map(str::to_owned));
+    }
+    words.extend([engine.binary(), "-in", script, "-log", "none"].map(str::to_owned));
+    words
+}
+
+/// Runs the engine on a script in a folder and waits. Output goes through files, so that a full pipe cannot stop it.
+pub fn run_script(
+    engine: Engine,
+    script: &str,
+    folder: &Path,
+    options: &RunOptions,
+) -> Result<Finished, PeerError> {
+    if find_binary(engine).is_none() {
+        return Err(PeerError::NotInstalled(engine));
+    }
+    let words = command_line(engine, script, options.ranks);
+    let stdout_path = folder.join("stdout.txt");
+    let stderr_path = folder.join("stderr.txt");
+    let create =
+        |path: &PathBuf| std::fs::File::create(path).map_err(|error| PeerError::File(path.clone(), error));
+    let mut command = Command::new(&words[0]);
+    if options.ranks == 1 {
+        // Without other ranks Open MPI need not look for networks: that is most of the time of a small run.
+        command.env("OMPI_MCA_pml", "ob1").env("OMPI_MCA_btl", "self");
+    }
+    let mut child = command
+        .args(&words[1..])
+        .current_dir(folder)
+        .env("OMP_NUM_THREADS", "1")
+        // Containers run as root, which Open MPI refuses unless told twice.
+        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+        .stdin(Stdio::null())
+        .stdout(create(&stdout_path)?)
+        .stderr(create(&stderr_path)?)
+        .spawn()
+        .map_err(|error| PeerError::File(PathBuf::from(&words[0]), error))?;
+    let read = |path: &PathBuf| match std::fs::read(path) {
+        Ok(bytes) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
+        Err(error) => Err(PeerError::File(path.clone(), error)),
+    };
+    let started = Instant::now();
+    let status = loop {
+        match child.try_wait() {
+            Ok(Some(status)) => break status,
+            Ok(None) if started.elapsed() > options.timeout => {
+                // It may have ended in between; then there is nothing to kill and the verdict stays.
+                let _already_gone = child.kill();
+                let _reaped = child.wait();
+                let tail = last_lines(&(read(&stdout_path)? + &read(&stderr_path)?));
+                return Err(PeerError::Timeout(engine, options.timeout, tail));
+            }
+            Ok(None) => std::thread::sleep(Duration::from_millis(2)),
+            Err(error) => return Err(PeerError::File(PathBuf::from(&words[0]), error)),
+        }
+    };
+    let output = read(&stdout_path)?;
+    // Both engines print `ERROR` and some builds still end with code 0.
+    if !status.success() || output.lines().any(|line| line.starts_with("ERROR")) {
+        let tail = engine_lines(&output, &read(&stderr_path)?);
+        return Err(PeerError::Failed(engine, status.code(), tail));
+    }
+    Ok(Finished { command: words.join(" "), output })
+}
+
+/// The engine's own words first; what MPI adds to an abort only if there are none.
+fn engine_lines(output: &str, stderr: &str) -> String {
+    let own = last_lines(output);
+    if own.is_empty() { last_lines(stderr) } else { own }
+}
