@@ -30,15 +30,15 @@ pub struct Case {
     pub bodies: Vec<PeerBody>,
     /// Ids of bodies that never move.
     pub frozen: Vec<u64>,
-    /// Half the edge of the cubic box about the origin [m].
+    /// Half the edge of the cubic box about the origin (m).
     pub half_box: f64,
     /// Periodic directions.
     pub periodic: [bool; 3],
-    /// Acceleration of gravity [m/s²].
+    /// Acceleration of gravity (m/s²).
     pub gravity: [f64; 3],
     /// Plane walls.
     pub walls: Vec<PeerWall>,
-    /// Time step [s].
+    /// Time step (s).
     pub time_step: f64,
     /// Number of steps.
     pub steps: u64,

@@ -14,13 +14,13 @@ const OTHER_TANGENT: [f64; 3] = [2.0 / 3.0, -2.0 / 3.0, -1.0 / 3.0];
 struct Hit {
     diameters: [f64; 2],
     densities: [f64; 2],
-    /// Speed of approach [m/s].
+    /// Speed of approach (m/s).
     closing: f64,
-    /// Tangential velocity of body 1 against body 2 [m/s].
+    /// Tangential velocity of body 1 against body 2 (m/s).
     passing: f64,
-    /// Spins in the frame of normal and tangents [rad/s].
+    /// Spins in the frame of normal and tangents (rad/s).
     spins: [[f64; 3]; 2],
-    /// Common velocity [m/s].
+    /// Common velocity (m/s).
     drift: [f64; 3],
 }
 

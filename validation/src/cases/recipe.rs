@@ -73,11 +73,11 @@ impl Which {
 /// Numbers of one contact material.
 #[derive(Clone, Copy, Debug)]
 pub struct Recipe {
-    /// Linear stiffness [N/m].
+    /// Linear stiffness (N/m).
     pub kn: f64,
-    /// Linear damping [1/s]; the tangential one is half of it.
+    /// Linear damping (1/s); the tangential one is half of it.
     pub gamma_n: f64,
-    /// Hertz damping of the LAMMPS styles [1/(s m)]; the tangential one is half of it.
+    /// Hertz damping of the LAMMPS styles (1/(s m)); the tangential one is half of it.
     pub gamma_hertz: f64,
     pub material: PeerMaterial,
     /// Restitution of the laws that ask for it.
@@ -89,7 +89,7 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// Millimetre grains of 1 µg: a linear contact of 80 µs with restitution 0.9.
+    /// Millimetre grains of 1.3 mg: a linear contact of 80 µs with restitution 0.9.
     pub const GRAIN: Self = Self {
         kn: 1000.0,
         gamma_n: 2620.0,

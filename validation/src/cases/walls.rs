@@ -4,7 +4,7 @@ use super::recipe::{Recipe, Which};
 use super::{Case, CaseLaw};
 use crate::peers::{Axis, PeerBody, PeerWall, Side};
 
-/// Radius of the marble [m].
+/// Radius of the marble (m).
 const RADIUS: f64 = 5e-3;
 
 fn marble(height: f64, velocity: [f64; 3], angular_velocity: [f64; 3]) -> PeerBody {

@@ -6,15 +6,15 @@ use super::{Frame, PeerScene, Quantity};
 /// What differences are divided by; each is of the size that the quantity reaches in the case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
-    /// Diameter of the largest body [m].
+    /// Diameter of the largest body (m).
     pub position: f64,
-    /// Speed [m/s].
+    /// Speed (m/s).
     pub velocity: f64,
-    /// Angular speed [rad/s].
+    /// Angular speed (rad/s).
     pub angular_velocity: f64,
-    /// Force [N].
+    /// Force (N).
     pub force: f64,
-    /// Torque [N m].
+    /// Torque (N m).
     pub torque: f64,
 }
 

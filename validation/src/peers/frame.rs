@@ -5,15 +5,15 @@ use serde::{Deserialize, Serialize};
 /// What a frame can hold of each body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Quantity {
-    /// Centre [m].
+    /// Centre (m).
     Position,
-    /// Velocity of the centre at the full step [m/s].
+    /// Velocity of the centre at the full step (m/s).
     Velocity,
-    /// Angular velocity at the full step [rad/s].
+    /// Angular velocity at the full step (rad/s).
     AngularVelocity,
-    /// Force, gravity included [N]. Peers evaluate it with half-step velocities.
+    /// Force, gravity included (N). Peers evaluate it with half-step velocities.
     Force,
-    /// Torque about the centre [N m].
+    /// Torque about the centre (N m).
     Torque,
 }
 
@@ -52,19 +52,19 @@ pub struct Frame {
     pub step: u64,
     /// Ids of the bodies, ascending.
     pub ids: Vec<u64>,
-    /// Centres [m].
+    /// Centres (m).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub position: Vec<[f64; 3]>,
-    /// Velocities [m/s].
+    /// Velocities (m/s).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub velocity: Vec<[f64; 3]>,
-    /// Angular velocities [rad/s].
+    /// Angular velocities (rad/s).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub angular_velocity: Vec<[f64; 3]>,
-    /// Forces [N].
+    /// Forces (N).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub force: Vec<[f64; 3]>,
-    /// Torques [N m].
+    /// Torques (N m).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub torque: Vec<[f64; 3]>,
 }

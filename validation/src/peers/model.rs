@@ -38,25 +38,25 @@ pub struct PeerBody {
     pub id: u64,
     /// Type, counted from 1.
     pub kind: usize,
-    /// Diameter [m].
+    /// Diameter (m).
     pub diameter: f64,
-    /// Density [kg/m³].
+    /// Density (kg/m³).
     pub density: f64,
-    /// Centre [m].
+    /// Centre (m).
     pub position: [f64; 3],
-    /// Velocity [m/s].
+    /// Velocity (m/s).
     pub velocity: [f64; 3],
-    /// Angular velocity [rad/s].
+    /// Angular velocity (rad/s).
     pub angular_velocity: [f64; 3],
 }
 
 impl PeerBody {
-    /// Radius [m], halved as the engines do.
+    /// Radius (m), halved as the engines do.
     pub fn radius(&self) -> f64 {
         0.5 * self.diameter
     }
 
-    /// Mass [kg], in the engines' order of multiplication.
+    /// Mass (kg), in the engines' order of multiplication.
     pub fn mass(&self) -> f64 {
         let r = self.radius();
         4.0 * std::f64::consts::PI / 3.0 * r * r * r * self.density
@@ -66,7 +66,7 @@ impl PeerBody {
 /// Elastic properties of a type; LIGGGHTS wants them per type for `hertz` and `hooke`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeerMaterial {
-    /// Young's modulus [Pa].
+    /// Young's modulus (Pa).
     pub youngs_modulus: f64,
     /// Poisson's ratio.
     pub poisson_ratio: f64,
@@ -109,11 +109,11 @@ pub enum Side {
 pub struct PeerWall {
     /// Normal axis.
     pub axis: Axis,
-    /// Coordinate of the plane [m].
+    /// Coordinate of the plane (m).
     pub position: f64,
     /// Where the bodies are.
     pub side: Side,
-    /// Velocity of the surface within its plane, along one axis, or zero [m/s].
+    /// Velocity of the surface within its plane, along one axis, or zero (m/s).
     pub velocity: [f64; 3],
     /// Type of the wall, counted from 1; the law of a body on it is `laws[(body type, wall type)]`.
     pub kind: usize,
@@ -135,13 +135,13 @@ pub enum ClassicStyle {
 pub struct ClassicLaw {
     /// Which style.
     pub style: ClassicStyle,
-    /// Kn: [N/m], Hertz [Pa].
+    /// Kn: (N/m), Hertz (Pa).
     pub kn: f64,
-    /// Kt: [N/m], Hertz [Pa].
+    /// Kt: (N/m), Hertz (Pa).
     pub kt: f64,
-    /// gamma_n: [1/s], Hertz [1/(s m)].
+    /// gamma_n: (1/s), Hertz (1/(s m)).
     pub gamma_n: f64,
-    /// gamma_t: [1/s], Hertz [1/(s m)].
+    /// gamma_t: (1/s), Hertz (1/(s m)).
     pub gamma_t: f64,
     /// Friction coefficient.
     pub friction: f64,
@@ -154,9 +154,9 @@ pub struct ClassicLaw {
 /// Normal model of LAMMPS `pair granular`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GranularNormal {
-    /// `hooke`, stiffness [N/m].
+    /// `hooke`, stiffness (N/m).
     Hooke(f64),
-    /// `hertz`, stiffness [Pa].
+    /// `hertz`, stiffness (Pa).
     Hertz(f64),
     /// `hertz/material`.
     HertzMaterial(PeerMaterial),
@@ -165,11 +165,11 @@ pub enum GranularNormal {
 /// Normal damping of LAMMPS `pair granular`, with its coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GranularDamping {
-    /// `velocity` [kg/s].
+    /// `velocity` (kg/s).
     Velocity(f64),
-    /// `mass_velocity` [1/s].
+    /// `mass_velocity` (1/s).
     MassVelocity(f64),
-    /// `viscoelastic` [1/(s m)].
+    /// `viscoelastic` (1/(s m)).
     Viscoelastic(f64),
     /// `tsuji`, the restitution asked for (LAMMPS delivers another one, see its pull request 5113).
     Tsuji(f64),
@@ -180,9 +180,9 @@ pub enum GranularDamping {
 pub enum GranularTangential {
     /// `linear_nohistory`.
     LinearNoHistory,
-    /// `linear_history`, stiffness [N/m].
+    /// `linear_history`, stiffness (N/m).
     LinearHistory(f64),
-    /// `mindlin`, stiffness [Pa]; `None` is `NULL`: from the material (only with `hertz/material`).
+    /// `mindlin`, stiffness (Pa); `None` is `NULL`: from the material (only with `hertz/material`).
     Mindlin(Option<f64>),
 }
 
@@ -206,22 +206,22 @@ pub struct GranularLaw {
 /// Normal model of LIGGGHTS `pair gran`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LiggghtsNormal {
-    /// `hooke/stiffness`: [N/m] and [1/s].
+    /// `hooke/stiffness`: (N/m) and (1/s).
     HookeStiffness {
-        /// Normal stiffness [N/m].
+        /// Normal stiffness (N/m).
         kn: f64,
-        /// Tangential stiffness [N/m].
+        /// Tangential stiffness (N/m).
         kt: f64,
-        /// Normal damping [1/s].
+        /// Normal damping (1/s).
         gamma_n: f64,
-        /// Tangential damping [1/s].
+        /// Tangential damping (1/s).
         gamma_t: f64,
     },
     /// `hooke`: stiffness from the materials and a characteristic velocity.
     Hooke {
         /// Coefficient of restitution.
         restitution: f64,
-        /// Characteristic velocity [m/s], one for the whole run.
+        /// Characteristic velocity (m/s), one for the whole run.
         velocity: f64,
     },
     /// `hertz`: from the materials.
@@ -285,13 +285,13 @@ pub struct PeerScene {
     pub bodies: Vec<PeerBody>,
     /// Ids of bodies that never move; they must be at rest.
     pub frozen: Vec<u64>,
-    /// Lower corner of the box [m].
+    /// Lower corner of the box (m).
     pub lower: [f64; 3],
-    /// Upper corner of the box [m].
+    /// Upper corner of the box (m).
     pub upper: [f64; 3],
     /// Periodic directions; the others are open, and a body that leaves there ends the run with an error.
     pub periodic: [bool; 3],
-    /// Acceleration of gravity [m/s²].
+    /// Acceleration of gravity (m/s²).
     pub gravity: [f64; 3],
     /// One entry per type; `None` where no law asks for it.
     pub materials: Vec<Option<PeerMaterial>>,
@@ -299,7 +299,7 @@ pub struct PeerScene {
     pub laws: BTreeMap<(usize, usize), PeerLaw>,
     /// Plane walls.
     pub walls: Vec<PeerWall>,
-    /// Time step [s].
+    /// Time step (s).
     pub time_step: f64,
     /// Steps of the one `run` command.
     pub steps: u64,
@@ -310,7 +310,7 @@ pub struct PeerScene {
     pub dump_every: u64,
     /// What to dump.
     pub quantities: Vec<Quantity>,
-    /// Skin of the neighbour lists [m].
+    /// Skin of the neighbour lists (m).
     pub skin: f64,
 }
 

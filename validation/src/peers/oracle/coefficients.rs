@@ -10,11 +10,11 @@ use crate::peers::{
 /// What coefficients depend on.
 #[derive(Clone, Copy)]
 pub struct Pairing {
-    /// Overlap [m].
+    /// Overlap (m).
     pub overlap: f64,
-    /// Reduced radius; the radius at a wall [m].
+    /// Reduced radius; the radius at a wall (m).
     pub radius: f64,
-    /// Reduced mass; the mass at a wall or frozen body [kg].
+    /// Reduced mass; the mass at a wall or frozen body (kg).
     pub mass: f64,
     /// True at a wall.
     pub wall: bool,
@@ -24,13 +24,13 @@ pub struct Pairing {
 
 /// Linear coefficients at this overlap.
 pub struct Coefficients {
-    /// Elastic normal force over overlap [N/m].
+    /// Elastic normal force over overlap (N/m).
     pub kn: f64,
-    /// Normal damping [kg/s].
+    /// Normal damping (kg/s).
     pub gn: f64,
-    /// Tangential stiffness [N/m].
+    /// Tangential stiffness (N/m).
     pub kt: f64,
-    /// Tangential damping [kg/s].
+    /// Tangential damping (kg/s).
     pub gt: f64,
     /// Friction coefficient.
     pub friction: f64,

@@ -65,7 +65,7 @@ fn restitution(frames: &[Frame]) -> f64 {
 }
 
 /// exp(-η π / ω) when the contact ends with the overlap and exp(-2 (η / ω) atan(ω / η)) when it ends with the force, with
-/// η = gamma_n / 2 and ω² = kn / m - η² (Schwager & Pöschel 2007, Eq. (22)).
+/// η = gamma_n / 2 and ω² = kn / m - η² (Luding 1998, Eqs. (32) and (36); erratum L-E7).
 #[test]
 fn both_ends_of_a_damped_linear_contact() {
     let mass = 0.5 * scene("head-on-lsd-force", "lammps-hooke-history").bodies[0].mass();
