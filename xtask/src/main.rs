@@ -1,1 +1,62 @@
-fn main() {}
+//! `cargo xtask`: the project's tasks.
+
+use std::process::ExitCode;
+
+use xtask::command::Error;
+use xtask::{bench, ci, files, new_law, pages, test, tidy, validate};
+
+const USAGE: &str = "\
+cargo xtask <task>
+
+  validate [--install] [--live] [--record] [--case NAME]...
+               compare scenes with LAMMPS and LIGGGHTS; report in target/validate
+                 --install  install both engines first (apt-get, as root)
+                 --live     fail unless both engines are installed
+                 --record   rewrite the recorded references from live runs
+                 --case     only this case; may be repeated
+  test [--all] [NAME]...
+               run the tests; --all adds the slow ones; NAME: only tests whose name contains it
+  bench [NAME]...
+               measure speed; results in target/bench
+  new-law SLOT/NAME [--external DIR]
+               write a new law crate: in laws/, or with --external a crate and a program of its own in DIR
+  pages        rewrite the generated pages of docs/
+  tidy         check the project's rules about its own files
+  ci           everything that a change must pass
+";
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    match task(&words) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.code)
+        }
+    }
+}
+
+fn task(words: &[String]) -> Result<(), Error> {
+    let root = files::root();
+    let Some((name, rest)) = words.split_first() else {
+        return Err(Error::usage(format!("which task?\n\n{USAGE}")));
+    };
+    let alone = || match rest.first() {
+        None => Ok(()),
+        Some(word) => Err(Error::usage(format!("{name} takes no words, but got `{word}`"))),
+    };
+    match name.as_str() {
+        "validate" => validate::validate(&root, &validate::Options::parse(rest)?),
+        "test" => test::test(&root, &test::Options::parse(rest)?),
+        "bench" => bench::bench(&root, rest),
+        "new-law" => new_law::new_law(&root, &new_law::Options::parse(rest)?),
+        "pages" => alone().and_then(|()| pages::pages(&root)),
+        "tidy" => alone().and_then(|()| tidy::tidy(&root)),
+        "ci" => alone().and_then(|()| ci::ci(&root)),
+        "help" | "--help" | "-h" => {
+            println!("{USAGE}");
+            Ok(())
+        }
+        other => Err(Error::usage(format!("there is no task `{other}`\n\n{USAGE}"))),
+    }
+}

@@ -1,0 +1,25 @@
+//! `cargo xtask bench`: speed, ours and the peers'.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::command::{Error, cargo, run};
+
+/// Builds the validation program in release and runs its benchmarks; `words` choose among them. Results are in
+/// `target/bench`.
+///
+/// # Errors
+/// A benchmark is unknown or fails; the exit code is that of the program.
+pub fn bench(root: &Path, words: &[String]) -> Result<(), Error> {
+    let mut command = Command::new(cargo());
+    command.args([
+        "run",
+        "--quiet",
+        "--release",
+        "--package",
+        "granule-validation",
+        "--bin",
+        "granule-validation",
+    ]);
+    run(command.args(["--", "bench", "--out", "target/bench"]).args(words).current_dir(root))
+}

@@ -1,0 +1,16 @@
+//! The project's tasks, as functions: `cargo xtask` calls them, and so do the tests that hold the project to its own rules.
+//!
+//! No dependency but the standard library, because everybody builds this first. Physics runs in other programs, in release.
+
+pub mod bench;
+pub mod ci;
+pub mod command;
+pub mod directions;
+pub mod files;
+pub mod json;
+pub mod members;
+pub mod new_law;
+pub mod pages;
+pub mod test;
+pub mod tidy;
+pub mod validate;
