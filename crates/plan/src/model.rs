@@ -209,7 +209,11 @@ pub const SERIES: [(&str, &str, &str); 17] = [
     ("dissipated_viscous", "J", "energy dissipated by damping since the start (energy ledger)"),
     ("dissipated_friction", "J", "energy dissipated by sliding since the start (energy ledger)"),
     ("wall_work", "J", "work done by walls on the bodies since the start (energy ledger)"),
-    ("energy_residual", "J", "what the energy ledger does not account for: the error of the time integration"),
+    (
+        "energy_residual",
+        "J",
+        "what the energy ledger does not account for: the error of the time integration",
+    ),
     ("momentum_x", "kg m/s", "linear momentum, x"),
     ("momentum_y", "kg m/s", "linear momentum, y"),
     ("momentum_z", "kg m/s", "linear momentum, z"),

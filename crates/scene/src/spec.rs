@@ -348,8 +348,8 @@ pub const BOX: Block = Block {
         opt(
             "open",
             "list of `\"x-\"`, `\"x+\"`, `\"y-\"`, `\"y+\"`, `\"z-\"`, `\"z+\"`",
-            "the faces in periodic directions",
-            "Faces that do not exist.",
+            "none",
+            "Faces that do not exist. Those in periodic directions never do.",
         ),
         WALL_MATERIAL,
         MOTION,
@@ -446,7 +446,7 @@ pub const CONVENTIONS: Block = Block {
         ),
         opt(
             "coulomb_test",
-            "`Total` or `SpringOnly`",
+            "`SpringThenTotal`, `Total` or `SpringOnly`",
             "of the preset",
             "Which force is held against the Coulomb limit.",
         ),

@@ -1,0 +1,141 @@
+//! Whether the bodies can be where they are.
+
+use granule_geometry::Cell;
+use granule_scene::BodyBlock;
+use nalgebra::Vector3;
+
+use crate::bodies::{Draft, Occupancy};
+use crate::build::Builder;
+use crate::model::WallPlan;
+
+/// Share of the smaller radius by which bodies may overlap at the start: deeper than contacts of stiff grains get, far
+/// above what round-off or a text file with few digits makes.
+const ALLOWANCE: f64 = 0.01;
+/// Problems of one kind that are spelt out before the rest is counted.
+const SHOWN: usize = 5;
+
+/// Reports problems of one kind, the first few in full.
+struct Report {
+    count: usize,
+}
+
+impl Report {
+    fn add(&mut self, builder: &mut Builder<'_>, draft: &Draft, message: String, help: &str) {
+        self.count += 1;
+        if self.count <= SHOWN {
+            builder.error_help(draft.span.clone(), message, help);
+        }
+    }
+
+    fn finish(self, builder: &mut Builder<'_>, what: &str) {
+        if self.count > SHOWN {
+            let span = builder.scene.bodies.span.clone();
+            builder.error(span, format!("{} more bodies {what}", self.count - SHOWN));
+        }
+    }
+}
+
+/// Bodies in the cell, on the right side of the walls, and apart from each other.
+pub(crate) fn places(builder: &mut Builder<'_>, drafts: &[Draft], walls: &[WallPlan], cell: &Cell) {
+    outside(builder, drafts, cell);
+    behind(builder, drafts, walls);
+    if !builder.scene.allow_overlap {
+        apart(builder, drafts, cell);
+    }
+}
+
+fn outside(builder: &mut Builder<'_>, drafts: &[Draft], cell: &Cell) {
+    let (lo, hi) = (cell.lo(), cell.hi());
+    let mut report = Report { count: 0 };
+    for draft in drafts {
+        let axis =
+            (0..3).find(|axis| !(draft.position[*axis] >= lo[*axis] && draft.position[*axis] <= hi[*axis]));
+        if let Some(axis) = axis {
+            let message = format!(
+                "body {} at {} = {} m is outside the cell, which goes from {} to {} m",
+                draft.id,
+                ["x", "y", "z"][axis],
+                draft.position[axis],
+                lo[axis],
+                hi[axis]
+            );
+            report.add(builder, draft, message, "");
+        }
+    }
+    report.finish(builder, "are outside the cell");
+}
+
+fn behind(builder: &mut Builder<'_>, drafts: &[Draft], walls: &[WallPlan]) {
+    let mut report = Report { count: 0 };
+    for wall in walls {
+        let surface = wall.wall.surface_at(0.0);
+        // Frozen bodies may be part of a wall.
+        for draft in drafts.iter().filter(|draft| !draft.frozen) {
+            let distance = surface.contact(Vector3::from(draft.position)).distance;
+            let overlap = draft.radius - distance;
+            if distance < 0.0 {
+                let message = format!("body {} is {} m behind wall `{}`", draft.id, -distance, wall.name);
+                report.add(builder, draft, message, "the normal of a wall points to the bodies");
+            } else if overlap > ALLOWANCE * draft.radius && !builder.scene.allow_overlap {
+                let message = format!(
+                    "body {} overlaps wall `{}` by {overlap:.6e} m, {:.1} % of its radius",
+                    draft.id,
+                    wall.name,
+                    100.0 * overlap / draft.radius
+                );
+                report.add(builder, draft, message, "move it, or set `allow_overlap: true`");
+            }
+        }
+    }
+    report.finish(builder, "are behind a wall or overlap one");
+}
+
+fn apart(builder: &mut Builder<'_>, drafts: &[Draft], cell: &Cell) {
+    let mut report = Report { count: 0 };
+    let mut taken = Occupancy::around(cell, drafts.iter().map(|draft| (draft.position, draft.radius)));
+    for (at, draft) in drafts.iter().enumerate() {
+        if let Some((other, overlap)) = taken.overlap(draft.position, draft.radius, ALLOWANCE) {
+            let other = &drafts[other as usize];
+            let one_file = draft.imported && other.imported && draft.block == other.block;
+            if !(one_file || draft.frozen && other.frozen) {
+                let message = format!(
+                    "bodies {} and {} overlap by {overlap:.6e} m, {:.1} % of the smaller radius",
+                    other.id,
+                    draft.id,
+                    100.0 * overlap / draft.radius.min(other.radius)
+                );
+                report.add(builder, draft, message, "move them apart, or set `allow_overlap: true`");
+                // A scene full of overlaps would take long to count, and a few say enough.
+                if report.count >= SHOWN {
+                    break;
+                }
+            }
+        }
+        taken.insert(draft.position, draft.radius, u32::try_from(at).unwrap_or(u32::MAX));
+    }
+}
+
+/// Warns of materials that nothing is made of.
+pub(crate) fn unused_materials(builder: &mut Builder<'_>, walls: &[WallPlan]) {
+    let scene = builder.scene;
+    if !(scene.bodies.complete && scene.walls.complete && walls.len() >= scene.walls.items.len()) {
+        return;
+    }
+    for material in &scene.materials.items {
+        let name = &material.name.value;
+        let in_bodies = scene.bodies.items.iter().any(|block| match block {
+            BodyBlock::Single(body) => body.material.value == *name,
+            BodyBlock::Lattice(lattice) => lattice.material.value == *name,
+            BodyBlock::Fill(fill) => fill.material.value == *name,
+            BodyBlock::Import(import) => import.materials.iter().any(|(_, material)| material.value == *name),
+        });
+        let in_walls = scene.walls.items.iter().any(|wall| wall.material.value == *name);
+        if !(in_bodies || in_walls) {
+            builder.warning(
+                material.name.span.clone(),
+                format!("nothing is made of material `{name}`"),
+                "remove it, or give it to a body or a wall",
+            );
+        }
+    }
+}

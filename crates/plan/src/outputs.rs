@@ -1,0 +1,160 @@
+//! Files that the scene asks for.
+
+use std::path::{Component, Path, PathBuf};
+
+use granule_scene::{EveryChoice, OutputBlock, OutputChoice, suggestion};
+
+use crate::build::Builder;
+use crate::model::{OutputKind, OutputPlan, Plan, SERIES};
+
+/// Quantities that need the energy ledger.
+const LEDGER: [&str; 5] =
+    ["elastic_energy", "dissipated_viscous", "dissipated_friction", "wall_work", "energy_residual"];
+
+/// Entries of an output whose interval is not given.
+const ENTRIES: u64 = 100;
+
+/// Fills in the outputs of the plan and whether it has an energy ledger.
+pub(crate) fn outputs(builder: &mut Builder<'_>, plan: &mut Plan) {
+    let scene = builder.scene;
+    let mut ledger_for: Option<String> = None;
+    for block in &scene.outputs.items {
+        let path = path(builder, block);
+        if let Some(earlier) = scene
+            .outputs
+            .items
+            .iter()
+            .take_while(|other| !std::ptr::eq(*other, block))
+            .find(|other| clean(Path::new(&other.path.value)) == clean(Path::new(&block.path.value)))
+        {
+            let message = format!("two outputs go to `{}`", block.path.value);
+            let help = format!("the other is a {}", kind_name(&earlier.what));
+            builder.error_help(block.path.span.clone(), message, help);
+        }
+        let every = every(builder, block, plan);
+        let kind = match &block.what {
+            OutputChoice::Series { columns } => {
+                let columns = series(builder, columns.as_deref(), plan.rotation);
+                let needs = columns.iter().find(|column| LEDGER.contains(&column.as_str()));
+                if let Some(column) = needs {
+                    ledger_for.get_or_insert_with(|| format!("{column} in {}", block.path.value));
+                }
+                OutputKind::Series(columns)
+            }
+            OutputChoice::Bodies { ids } => {
+                for id in ids {
+                    if scene.bodies.complete
+                        && !plan.bodies.is_empty()
+                        && plan.bodies.id.binary_search(&id.value).is_err()
+                    {
+                        let (first, last) = (plan.bodies.id[0], plan.bodies.id[plan.bodies.len() - 1]);
+                        builder.error_help(
+                            id.span.clone(),
+                            format!("there is no body {}", id.value),
+                            format!("{} bodies with ids from {first} to {last}", plan.bodies.len()),
+                        );
+                    }
+                }
+                if ids.is_empty() {
+                    builder.error(block.span.clone(), "`ids` must name at least one body");
+                }
+                OutputKind::BodySeries(ids.iter().map(|id| id.value).collect())
+            }
+            OutputChoice::LammpsDump => OutputKind::LammpsDump,
+            OutputChoice::Vtk { compressed } => OutputKind::Vtk { compressed: *compressed },
+            OutputChoice::LammpsData => OutputKind::LammpsData,
+        };
+        plan.outputs.extend(path.map(|path| OutputPlan { path, kind, every }));
+    }
+    plan.ledger = scene.ledger || ledger_for.is_some();
+    let why = match (&ledger_for, scene.ledger) {
+        (_, true) => "the scene asks for it".to_string(),
+        (Some(reason), false) => format!("needed by {reason}"),
+        (None, false) => "nobody asks for elastic energy, dissipation or wall work".to_string(),
+    };
+    builder.decide_one("energy ledger", plan.ledger, why);
+}
+
+fn kind_name(what: &OutputChoice) -> &'static str {
+    match what {
+        OutputChoice::Series { .. } => "Series",
+        OutputChoice::Bodies { .. } => "Bodies",
+        OutputChoice::LammpsDump => "LammpsDump",
+        OutputChoice::Vtk { .. } => "Vtk",
+        OutputChoice::LammpsData => "LammpsData",
+    }
+}
+
+/// The path without `.` components.
+fn clean(path: &Path) -> PathBuf {
+    path.components().filter(|component| *component != Component::CurDir).collect()
+}
+
+fn path(builder: &mut Builder<'_>, block: &OutputBlock) -> Option<PathBuf> {
+    let text = &block.path.value;
+    let path = clean(Path::new(text));
+    let inside = path.components().all(|component| matches!(component, Component::Normal(_)));
+    let named = !path.as_os_str().is_empty() && !text.ends_with(['/', '\\']) && !text.contains('\0');
+    if !(inside && named) {
+        builder.error_help(
+            block.path.span.clone(),
+            format!("`path` must be a file inside the output folder, not \"{text}\""),
+            "a relative path without `..`; the folder is chosen when the scene is run",
+        );
+        return None;
+    }
+    Some(path)
+}
+
+fn every(builder: &mut Builder<'_>, block: &OutputBlock, plan: &Plan) -> u64 {
+    let steps = plan.driver.steps;
+    match &block.every {
+        None => (steps / ENTRIES).max(1),
+        Some(every) => match every.value {
+            EveryChoice::Steps(steps) => steps.max(1),
+            EveryChoice::Time(time) => {
+                let step = plan.driver.step;
+                if step <= 0.0 {
+                    return 1;
+                }
+                let exact = time / step;
+                // Saturates where the interval is longer than any run.
+                let whole = exact.round().max(1.0) as u64;
+                if (exact - whole as f64).abs() > 1e-6 * exact.max(1.0) {
+                    let interval = whole as f64 * step;
+                    builder.warning(
+                        every.span.clone(),
+                        format!("`every` of {time} s is {exact:.3} steps; every {whole} steps, {interval:.6e} s, are written"),
+                        "entries lie on whole steps",
+                    );
+                }
+                whole
+            }
+        },
+    }
+}
+
+fn series(
+    builder: &mut Builder<'_>,
+    columns: Option<&[granule_scene::Spanned<String>]>,
+    rotation: bool,
+) -> Vec<String> {
+    let Some(columns) = columns else {
+        let usual = ["kinetic_energy", "rotational_energy", "contacts", "maximum_overlap", "maximum_speed"];
+        return usual
+            .into_iter()
+            .filter(|name| rotation || *name != "rotational_energy")
+            .map(str::to_string)
+            .collect();
+    };
+    let known: Vec<&str> = SERIES.iter().map(|(name, _, _)| *name).collect();
+    for (index, column) in columns.iter().enumerate() {
+        if !known.contains(&column.value.as_str()) {
+            let help = suggestion("quantities", &column.value, &known);
+            builder.error_help(column.span.clone(), format!("there is no quantity `{}`", column.value), help);
+        } else if columns[..index].iter().any(|earlier| earlier.value == column.value) {
+            builder.error(column.span.clone(), format!("quantity `{}` is given twice", column.value));
+        }
+    }
+    columns.iter().map(|column| column.value.clone()).collect()
+}
