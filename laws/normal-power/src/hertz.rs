@@ -320,3 +320,13 @@ impl<T: Real, const ROOT: bool, const CLAMP: bool> Stage<T> for HertzStage<T, RO
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conforms() {
+        granule_law_api::testing::conformance::<Hertz>();
+    }
+}

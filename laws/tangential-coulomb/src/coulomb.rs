@@ -122,3 +122,13 @@ impl<T: Real, const REPULSIVE: bool> Stage<T> for Sliding<T, REPULSIVE> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conforms() {
+        granule_law_api::testing::conformance::<Coulomb>();
+    }
+}

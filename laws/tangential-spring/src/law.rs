@@ -1,11 +1,11 @@
 //! What the law says about itself.
 
 use granule_law_api::{
-    Columns, ContactLaw, Dimension, HistoryColumn, Impact, LawError, LawInfo, Oracle, PairContext, Params,
-    Parity, Real, Slot, Source, Stage, TimeScale, register_law,
+    Columns, ContactLaw, CoulombTest, Dimension, HistoryColumn, Impact, LawError, LawInfo, Oracle,
+    PairContext, Params, Parity, Real, Slot, Source, Stage, TimeScale, register_law,
 };
 
-use crate::forms::{FORMS, Model, PARAMETERS, Stiffness, constant_stiffness, extra_reads};
+use crate::forms::{Damping, FORMS, Model, PARAMETERS, Stiffness, constant_stiffness, extra_reads};
 use crate::{prediction, stage};
 
 /// Tangential spring and damper under a Coulomb limit, with history (Cundall and Strack 1979; Luding 1998, Sec. 7.3).
@@ -93,7 +93,15 @@ impl ContactLaw for TangentialSpring {
 
     fn oracle(params: &Params, pair: &PairContext) -> Oracle {
         match Model::new(params, pair) {
-            Ok(model) => Oracle::Tangential(Box::new(move |impact| prediction::after(&model, impact))),
+            Ok(model) => {
+                // The other rules differ where a damper meets the limit.
+                let known = pair.conventions.coulomb_test == CoulombTest::SpringThenTotal
+                    || model.damping == Damping::Zero
+                    || model.friction == f64::INFINITY;
+                Oracle::Tangential(Box::new(move |impact| {
+                    known.then(|| prediction::after(&model, impact))?
+                }))
+            }
             Err(_) => Oracle::Missing,
         }
     }
@@ -115,7 +123,6 @@ register_law!(TangentialSpring);
 impl Model {
     /// Stiffness and damping at a contact; the normal stiffness and damping are those of the normal law.
     pub(crate) fn at(&self, contact: &Contact) -> (f64, f64) {
-        use crate::forms::Damping;
         let contact_radius = (contact.reduced_radius * contact.overlap).sqrt();
         let mass = contact.reduced_mass;
         let stiffness = match self.stiffness {
@@ -143,4 +150,14 @@ pub(crate) struct Contact {
     pub reduced_radius: f64,
     pub normal_stiffness: f64,
     pub normal_damping: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conforms() {
+        granule_law_api::testing::conformance::<TangentialSpring>();
+    }
 }

@@ -42,8 +42,8 @@ pub(crate) fn time_scale(model: &Model, pair: &PairContext, impact: &Impact) -> 
 pub(crate) fn after(model: &Model, impact: &ObliqueImpact) -> Option<f64> {
     let constant = !matches!(model.stiffness, Stiffness::ContactRadius(_))
         && !matches!(model.damping, Damping::MassContactRadius(_));
+    let omega = PI / impact.duration;
     let at = |time: f64| {
-        let omega = PI / impact.duration;
         let overlap = impact.impact.normal_speed / omega * (omega * time).sin();
         model.at(&Contact {
             overlap: overlap.max(0.0),
@@ -53,16 +53,20 @@ pub(crate) fn after(model: &Model, impact: &ObliqueImpact) -> Option<f64> {
             normal_damping: 0.0,
         })
     };
-    if model.friction == f64::INFINITY {
-        return Some(if constant {
-            let (stiffness, damping) = at(0.0);
-            impact.tangential_speed
-                * damped_cosine(impact.tangential_mass, damping, stiffness, impact.duration)
-        } else {
-            sticking(impact, at)
-        });
+    if model.friction < f64::INFINITY {
+        return stick_slip(impact, model.friction, !constant, at);
     }
-    constant.then(|| sliding(model.friction, at(0.0), impact)).flatten()
+    if constant {
+        let (stiffness, damping) = at(0.0);
+        let remaining = damped_cosine(impact.tangential_mass, damping, stiffness, impact.duration);
+        return Some(impact.tangential_speed * remaining);
+    }
+    let start = [0.0, impact.tangential_speed];
+    let end = reference::integrate(start, impact.duration, |time, [x, v]| {
+        let (stiffness, damping) = at(time);
+        [v, -(stiffness * x + damping * v) / impact.tangential_mass]
+    });
+    Some(end[1])
 }
 
 /// v(t)/v(0) of m x'' + γ x' + k x = 0 with x(0) = 0.
@@ -81,25 +85,64 @@ fn damped_cosine(mass: f64, damping: f64, stiffness: f64, time: f64) -> f64 {
     }
 }
 
-/// A contact that never slides, with a stiffness and damping that vary in time.
-fn sticking(impact: &ObliqueImpact, at: impl Fn(f64) -> (f64, f64)) -> f64 {
-    let mass = impact.tangential_mass;
-    let end = reference::integrate([0.0, impact.tangential_speed], impact.duration, |time, [x, v]| {
-        let (stiffness, damping) = at(time);
-        [v, -(stiffness * x + damping * v) / mass]
-    });
-    end[1]
-}
-
-/// A contact that slides from its beginning to its end: the tangential impulse is μ times the normal one (Luding 1998,
-/// Eq. (18)). The spring stays at the limit as long as it would outgrow it; both conditions are linear in the cosine of
-/// the phase, so that the two ends decide.
-fn sliding(friction: f64, (stiffness, damping): (f64, f64), impact: &ObliqueImpact) -> Option<f64> {
-    let mass = impact.impact.reduced_mass;
-    let before = impact.tangential_speed;
-    let after = before - 2.0 * friction * mass * impact.impact.normal_speed / impact.tangential_mass;
-    let growth = friction * impact.normal_stiffness * impact.impact.normal_speed;
-    let spring_held = stiffness * before >= growth && stiffness * after >= -growth;
-    let damper_forward = damping == 0.0 || after >= 0.0;
-    (spring_held && damper_forward).then_some(after)
+/// Phases of sticking (the spring follows the slip) and sliding (the spring stays at the limit), each integrated up to the
+/// moment at which it ends. The force of spring and damper together is held to the limit throughout. `None` if the phases do
+/// not come to an end.
+fn stick_slip(
+    impact: &ObliqueImpact,
+    friction: f64,
+    stiffens: bool,
+    at: impl Fn(f64) -> (f64, f64),
+) -> Option<f64> {
+    let omega = PI / impact.duration;
+    let peak = friction * impact.normal_stiffness * impact.impact.normal_speed / omega;
+    let limit = |time: f64| (peak * (omega * time).sin()).max(0.0);
+    let limit_growth = |time: f64| peak * omega * (omega * time).cos();
+    let deceleration = |time: f64, spring_force: f64, damping: f64, velocity: f64| {
+        let limit = limit(time);
+        (spring_force + damping * velocity).min(limit).max(-limit) / impact.tangential_mass
+    };
+    // Growth of the spring force at the limit if it did not slide; k_t goes with sqrt(sin(ωt)) or is constant.
+    let spring_growth = |time: f64, velocity: f64, side: f64| {
+        let stiffening =
+            if stiffens && time > 0.0 { 0.5 * omega / (omega * time).tan() * limit(time) } else { 0.0 };
+        side * at(time).0 * velocity + stiffening
+    };
+    let (mut time, mut spring, mut velocity) = (0.0, 0.0, impact.tangential_speed);
+    let mut sliding = spring_growth(0.0, velocity, 1.0) > limit_growth(0.0);
+    let mut side = 1.0;
+    for _ in 0..1000 {
+        if time >= impact.duration {
+            return Some(velocity);
+        }
+        let happened;
+        if sliding {
+            let (end, [v], released) = reference::integrate_until(
+                time,
+                [velocity],
+                impact.duration,
+                |time, [v]| [-deceleration(time, side * limit(time), at(time).1, v)],
+                |time, [v]| spring_growth(time, v, side) < limit_growth(time),
+            );
+            let stiffness = at(end).0;
+            spring = if stiffness > 0.0 { side * limit(end) / stiffness } else { 0.0 };
+            (time, velocity, happened) = (end, v, released);
+        } else {
+            let (end, [x, v], reached) = reference::integrate_until(
+                time,
+                [spring, velocity],
+                impact.duration,
+                |time, [x, v]| {
+                    let (stiffness, damping) = at(time);
+                    [v, -deceleration(time, stiffness * x, damping, v)]
+                },
+                // A spring that has just been released is at the limit to round-off.
+                |time, [x, _]| (at(time).0 * x).abs() > limit(time) * (1.0 + 1e-11),
+            );
+            (time, spring, velocity, happened) = (end, x, v, reached);
+            side = spring.signum();
+        }
+        sliding = happened && !sliding;
+    }
+    None
 }

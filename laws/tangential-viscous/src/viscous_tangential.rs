@@ -257,3 +257,13 @@ impl<T: Real, const DAMPING: u8, const LIMITED: bool> Stage<T> for Viscous<T, DA
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conforms() {
+        granule_law_api::testing::conformance::<ViscousTangential>();
+    }
+}

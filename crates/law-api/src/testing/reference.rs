@@ -21,6 +21,21 @@ pub fn integrate<const N: usize>(
     path.state
 }
 
+/// Integrates y' = f(t, y) from `time` until `happened(t, y)` or until `latest`, and returns where it stopped, the state
+/// there, and whether it happened.
+pub fn integrate_until<const N: usize>(
+    time: f64,
+    start: [f64; N],
+    latest: f64,
+    derivative: impl Fn(f64, [f64; N]) -> [f64; N],
+    happened: impl Fn(f64, [f64; N]) -> bool,
+) -> (f64, [f64; N], bool) {
+    let mut path = Path::new(start, 1e-6 * (latest - time), derivative);
+    path.time = time;
+    let happened = path.advance_until(latest, happened);
+    (path.time, path.state, happened)
+}
+
 /// A head-on impact under the normal force `force(overlap, velocity)` \[N\]. `scale` is a time in the order of the contact's
 /// duration. The duration is infinite and the restitution zero if the contact has not ended after a thousand such times.
 pub fn impact(
@@ -33,8 +48,8 @@ pub fn impact(
     let speed = impact.normal_speed;
     let derivative =
         |_: f64, [overlap, velocity]: [f64; 2]| [velocity, -force(overlap.max(0.0), velocity) / mass];
-    let turned = |state: [f64; 2]| state[1] <= 0.0;
-    let ended = |state: [f64; 2]| match end {
+    let turned = |_: f64, state: [f64; 2]| state[1] <= 0.0;
+    let ended = |_: f64, state: [f64; 2]| match end {
         ContactEnd::Force => state[1] < 0.0 && force(state[0].max(0.0), state[1]) <= 0.0,
         ContactEnd::Overlap => state[0] <= 0.0,
     };
@@ -136,14 +151,15 @@ impl<const N: usize, F: Fn(f64, [f64; N]) -> [f64; N]> Path<N, F> {
 
     /// Advances to the first moment at which `happened` holds, located to round-off by bisecting the step; false if that is
     /// later than `latest`.
-    fn advance_until(&mut self, latest: f64, happened: impl Fn([f64; N]) -> bool) -> bool {
+    fn advance_until(&mut self, latest: f64, happened: impl Fn(f64, [f64; N]) -> bool) -> bool {
         loop {
-            if self.time > latest {
+            if self.time >= latest {
                 return false;
             }
+            self.step = self.step.min(latest - self.time);
             let (time, state) = (self.time, self.state);
             self.advance();
-            if !happened(self.state) {
+            if !happened(self.time, self.state) {
                 continue;
             }
             let (mut low, mut high) = (0.0, self.time - time);
@@ -153,7 +169,7 @@ impl<const N: usize, F: Fn(f64, [f64; N]) -> [f64; N]> Path<N, F> {
                 if middle <= low || middle >= high {
                     break;
                 }
-                if happened(self.trial(middle).0) { high = middle } else { low = middle }
+                if happened(time + middle, self.trial(middle).0) { high = middle } else { low = middle }
             }
             let next = self.trial(high).0;
             self.step = 1e-3 * high.max(self.step * 1e-6);
