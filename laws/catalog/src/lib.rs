@@ -56,7 +56,7 @@ mod tests {
     fn names_are_the_shipped_laws() {
         assert_eq!(
             names().unwrap(),
-            ["Coulomb", "Hertz", "LinearSpringDashpot", "TangentialSpring", "ViscousTangential"]
+            ["Coulomb", "Hertz", "LinearSpringDashpot", "PowerLaw", "TangentialSpring", "ViscousTangential"]
         );
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use granule_law_api::{
     Columns, ContactChunk, ContactEnd, ContactLaw, Dimension, DurationRule, Form, Impact, ImpactOutcome,
     LawError, LawInfo, NormalSummary, Oracle, PairContext, ParamSpec, Params, Real, Slot, Source, Stage,
-    TimeScale, ValueRange, oscillator, register_law,
+    TimeScale, ValueRange, oscillator, register_law, vectorised,
 };
 
 const STIFFNESS: ParamSpec = ParamSpec {
@@ -248,9 +248,9 @@ struct Linear<T, const MODEL: u8, const CLAMP: bool> {
 fn stage<T: Real, const MODEL: u8>(stiffness: f64, damping: f64, clamp: bool) -> Box<dyn Stage<T>> {
     let (stiffness, damping) = (T::of(stiffness), T::of(damping));
     if clamp {
-        Box::new(Linear::<T, MODEL, true> { stiffness, damping })
+        vectorised(Linear::<T, MODEL, true> { stiffness, damping })
     } else {
-        Box::new(Linear::<T, MODEL, false> { stiffness, damping })
+        vectorised(Linear::<T, MODEL, false> { stiffness, damping })
     }
 }
 
@@ -278,6 +278,7 @@ impl<T: Real, const MODEL: u8, const CLAMP: bool> Linear<T, MODEL, CLAMP> {
 }
 
 impl<T: Real, const MODEL: u8, const CLAMP: bool> Stage<T> for Linear<T, MODEL, CLAMP> {
+    #[inline(always)]
     fn run(&self, chunk: &mut ContactChunk<'_, T>) {
         let n = chunk.len();
         let overlap = &chunk.overlap[..n];

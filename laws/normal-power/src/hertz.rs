@@ -4,7 +4,7 @@ use granule_law_api::testing::reference;
 use granule_law_api::{
     Bound, Columns, ContactChunk, ContactEnd, ContactLaw, Dimension, DurationRule, Form, Impact,
     ImpactOutcome, LawError, LawInfo, NormalSummary, Oracle, PairContext, ParamSpec, Params, Real, Slot,
-    Source, Stage, TimeScale, ValueRange, oscillator, register_law,
+    Source, Stage, TimeScale, ValueRange, oscillator, register_law, vectorised,
 };
 
 use crate::closed_form::PowerContact;
@@ -218,10 +218,10 @@ impl ContactLaw for Hertz {
             Damping::MassContactRadius(rate) => (false, T::of(rate)),
         };
         Ok(match (root, pair.contact_end) {
-            (true, ContactEnd::Force) => Box::new(HertzStage::<T, true, true> { pressure, factor }),
-            (true, ContactEnd::Overlap) => Box::new(HertzStage::<T, true, false> { pressure, factor }),
-            (false, ContactEnd::Force) => Box::new(HertzStage::<T, false, true> { pressure, factor }),
-            (false, ContactEnd::Overlap) => Box::new(HertzStage::<T, false, false> { pressure, factor }),
+            (true, ContactEnd::Force) => vectorised(HertzStage::<T, true, true> { pressure, factor }),
+            (true, ContactEnd::Overlap) => vectorised(HertzStage::<T, true, false> { pressure, factor }),
+            (false, ContactEnd::Force) => vectorised(HertzStage::<T, false, true> { pressure, factor }),
+            (false, ContactEnd::Overlap) => vectorised(HertzStage::<T, false, false> { pressure, factor }),
         })
     }
 
@@ -282,6 +282,7 @@ impl<T: Real, const ROOT: bool, const CLAMP: bool> HertzStage<T, ROOT, CLAMP> {
 }
 
 impl<T: Real, const ROOT: bool, const CLAMP: bool> Stage<T> for HertzStage<T, ROOT, CLAMP> {
+    #[inline(always)]
     fn run(&self, chunk: &mut ContactChunk<'_, T>) {
         let n = chunk.len();
         let overlap = &chunk.overlap[..n];

@@ -2,5 +2,7 @@
 
 mod closed_form;
 mod hertz;
+mod power_law;
 
 pub use hertz::Hertz;
+pub use power_law::PowerLaw;

@@ -3,7 +3,7 @@
 use granule_law_api::{
     Columns, ContactChunk, ContactLaw, CoulombCap, Dimension, Form, Impact, LawError, LawInfo, Oracle,
     PairContext, ParamSpec, Params, Real, Slot, Source, Stage, TimeScale, ValueRange, VelocityRule,
-    register_law,
+    register_law, vectorised,
 };
 
 const FRICTION: ParamSpec = ParamSpec {
@@ -54,8 +54,8 @@ impl ContactLaw for Coulomb {
         let friction = T::of(params.value(&FRICTION)?);
         let stopping = T::of(share / (1.0 + 1.0 / pair.inertia_factor.min));
         Ok(match pair.conventions.coulomb_cap {
-            CoulombCap::Repulsive => Box::new(Sliding::<T, true> { friction, stopping }),
-            CoulombCap::Magnitude => Box::new(Sliding::<T, false> { friction, stopping }),
+            CoulombCap::Repulsive => vectorised(Sliding::<T, true> { friction, stopping }),
+            CoulombCap::Magnitude => vectorised(Sliding::<T, false> { friction, stopping }),
         })
     }
 
@@ -90,6 +90,7 @@ struct Sliding<T, const REPULSIVE: bool> {
 }
 
 impl<T: Real, const REPULSIVE: bool> Stage<T> for Sliding<T, REPULSIVE> {
+    #[inline(always)]
     fn run(&self, chunk: &mut ContactChunk<'_, T>) {
         let n = chunk.len();
         let moves = chunk.time_step > T::ZERO;

@@ -4,6 +4,7 @@ use granule_law_api::testing::reference;
 use granule_law_api::{
     Columns, ContactChunk, ContactLaw, CoulombCap, Dimension, Form, Impact, LawError, LawInfo, ObliqueImpact,
     Oracle, PairContext, ParamSpec, Params, Real, Slot, Source, Stage, TimeScale, ValueRange, register_law,
+    vectorised,
 };
 
 const DAMPING: ParamSpec = ParamSpec {
@@ -204,13 +205,14 @@ fn stage<T: Real, const DAMPING: u8>(
 ) -> Box<dyn Stage<T>> {
     let (damping, friction) = (T::of(damping), T::of(friction));
     if infinite {
-        Box::new(Viscous::<T, DAMPING, false> { damping, friction, repulsive })
+        vectorised(Viscous::<T, DAMPING, false> { damping, friction, repulsive })
     } else {
-        Box::new(Viscous::<T, DAMPING, true> { damping, friction, repulsive })
+        vectorised(Viscous::<T, DAMPING, true> { damping, friction, repulsive })
     }
 }
 
 impl<T: Real, const DAMPING: u8, const LIMITED: bool> Stage<T> for Viscous<T, DAMPING, LIMITED> {
+    #[inline(always)]
     fn run(&self, chunk: &mut ContactChunk<'_, T>) {
         let n = chunk.len();
         let overlap = &chunk.overlap[..n];
