@@ -76,12 +76,13 @@ pub struct Conventions {
 }
 
 impl Conventions {
-    /// Conserves linear and angular momentum to round-off and synchronises velocities.
+    /// Conserves linear and angular momentum to round-off and synchronises velocities. A wall is the limit of an ever
+    /// larger body, so it has the arm of a pair.
     pub const PHYSICAL: Self = Self {
         pair_torque_arm: Arm::HalfOverlap,
         pair_slip_arm: Arm::HalfOverlap,
-        wall_torque_arm: Arm::FullOverlap,
-        wall_slip_arm: Arm::FullOverlap,
+        wall_torque_arm: Arm::HalfOverlap,
+        wall_slip_arm: Arm::HalfOverlap,
         history_update: HistoryUpdate::RotateThenIncrement,
         coulomb_test: CoulombTest::SpringThenTotal,
         coulomb_cap: CoulombCap::Repulsive,
