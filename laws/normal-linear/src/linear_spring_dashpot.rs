@@ -311,11 +311,5 @@ impl<T: Real, const MODEL: u8, const CLAMP: bool> Stage<T> for Linear<T, MODEL, 
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn conforms() {
-        granule_law_api::testing::conformance::<LinearSpringDashpot>();
-    }
-}
+#[path = "tests.rs"]
+mod tests;

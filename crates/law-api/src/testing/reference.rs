@@ -3,7 +3,10 @@
 //! The method is Dormand and Prince's pair of orders 5 and 4 (J. Comput. Appl. Math. 6 (1980) 19) with step control at a
 //! local error of 1e-12 of the largest value seen; results are good to about 1e-9.
 
-use crate::{ContactEnd, Impact, ImpactOutcome};
+use std::cell::RefCell;
+
+use super::Contacts;
+use crate::{ContactEnd, Impact, ImpactOutcome, Stage};
 
 const TOLERANCE: f64 = 1e-12;
 
@@ -63,6 +66,21 @@ pub fn impact(
     } else {
         ImpactOutcome { duration: f64::INFINITY, maximum_overlap, restitution: 0.0 }
     }
+}
+
+/// As [`impact`], under a normal stage without history.
+pub fn impact_with(stage: &dyn Stage<f64>, case: &Impact, end: ContactEnd, scale: f64) -> ImpactOutcome {
+    let contact = RefCell::new(Contacts::<f64>::new(1, 0));
+    impact(case, end, scale, |overlap, velocity| {
+        let mut contact = contact.borrow_mut();
+        // The force at first touch is the limit from above.
+        contact.overlap[0] = overlap.max(f64::MIN_POSITIVE);
+        contact.normal_velocity[0] = velocity;
+        contact.reduced_mass[0] = case.reduced_mass;
+        contact.reduced_radius[0] = case.reduced_radius;
+        contact.run_with(stage, 0.0, false, false);
+        contact.normal_force[0]
+    })
 }
 
 struct Path<const N: usize, F> {
