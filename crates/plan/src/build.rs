@@ -3,33 +3,29 @@
 use std::ops::Range;
 use std::path::Path;
 
-use granule_geometry::Cell;
+use granule_geometry::{Cell, GeometryError};
 use granule_law_api::{Columns, Conventions, Registry, VelocityRule};
 use granule_scene::{
-    Diagnostic, IntegratorChoice, Parsed, PrecisionChoice, Scene, Severity, Vector, suggestion, tidy,
+    Diagnostic, IntegratorChoice, PrecisionChoice, Scene, Severity, Vector, suggestion, tidy,
 };
 
 use crate::bodies::Draft;
 use crate::model::{Decision, Dimensions, MaterialPlan, Plan, Precision, Scheme};
 use crate::{bodies, checks, laws, outputs, schedule, walls};
 
-/// Plans a scene that was read. `base` is the folder that imported files are relative to.
+/// Plans a scene. `base` is the folder that imported files are relative to.
 ///
-/// The plan is absent if there is any error. All problems, those of reading included, are reported at once, in the order
-/// of their places.
-pub fn build(parsed: &Parsed, registry: &Registry, base: &Path) -> (Option<Plan>, Vec<Diagnostic>) {
-    let mut diagnostics = parsed.diagnostics.clone();
-    let plan = parsed.scene.as_ref().and_then(|scene| {
-        let dimensions = if scene.dimensions.value == 2 { Dimensions::Two } else { Dimensions::Three };
-        let (decisions, none) = (Vec::new(), Vec::new());
-        let mut builder = Builder { scene, registry, base, dimensions, diagnostics: none, decisions };
-        let plan = builder.plan().filter(|_| scene.complete);
-        diagnostics.append(&mut builder.diagnostics);
-        plan
-    });
+/// The plan is absent if there is any error, or if some part of the scene could not be read. All problems are reported
+/// at once, in the order of their places; those of reading are in [`granule_scene::Parsed`].
+pub fn build(scene: &Scene, registry: &Registry, base: &Path) -> (Option<Plan>, Vec<Diagnostic>) {
+    let dimensions = if scene.dimensions.value == 2 { Dimensions::Two } else { Dimensions::Three };
+    let (diagnostics, decisions) = (Vec::new(), Vec::new());
+    let mut builder = Builder { scene, registry, base, dimensions, diagnostics, decisions };
+    let plan = builder.plan();
+    let mut diagnostics = builder.diagnostics;
     tidy(&mut diagnostics);
     let failed = diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
-    (plan.filter(|_| !failed), diagnostics)
+    (plan.filter(|_| scene.complete && !failed), diagnostics)
 }
 
 /// What the pieces of the planning share.
@@ -237,7 +233,13 @@ impl Builder<'_> {
         match Cell::new(lo, hi, periodic) {
             Ok(cell) => Some(cell),
             Err(error) => {
-                self.error(block.span.clone(), error.to_string());
+                let span = match error {
+                    GeometryError::EmptyExtent { axis, .. } | GeometryError::UnboundedPeriod { axis } => {
+                        block.hi.components.get(axis).map(|component| component.span.clone())
+                    }
+                    _ => None,
+                };
+                self.error(span.unwrap_or(block.span.clone()), error.to_string());
                 None
             }
         }

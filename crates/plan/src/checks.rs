@@ -12,7 +12,7 @@ use crate::model::WallPlan;
 /// above what round-off or a text file with few digits makes.
 const ALLOWANCE: f64 = 0.01;
 /// Problems of one kind that are spelt out before the rest is counted.
-const SHOWN: usize = 5;
+const SHOWN: usize = 3;
 
 /// Reports problems of one kind, the first few in full.
 struct Report {
@@ -118,7 +118,9 @@ fn apart(builder: &mut Builder<'_>, drafts: &[Draft], cell: &Cell) {
 /// Warns of materials that nothing is made of.
 pub(crate) fn unused_materials(builder: &mut Builder<'_>, walls: &[WallPlan]) {
     let scene = builder.scene;
-    if !(scene.bodies.complete && scene.walls.complete && walls.len() >= scene.walls.items.len()) {
+    if scene.bodies.items.is_empty()
+        || !(scene.bodies.complete && scene.walls.complete && walls.len() >= scene.walls.items.len())
+    {
         return;
     }
     for material in &scene.materials.items {

@@ -1,7 +1,7 @@
 //! Driver settings: scheme, search, skin, time step, number of steps.
 
 use granule_law_api::Impact;
-use granule_scene::{RunBlock, StepChoice};
+use granule_scene::{EveryChoice, RunBlock, StepChoice};
 
 use crate::build::Builder;
 use crate::model::{Partner, Plan, Scheme, Search, TimeStepPlan};
@@ -100,21 +100,28 @@ fn step(builder: &mut Builder<'_>, plan: &mut Plan, run: &RunBlock) -> Option<()
             }
         },
     };
+    let automatic = matches!(choice.value, StepChoice::Auto { .. });
     let steps = match run {
         RunBlock::Steps(steps) => steps.value as f64,
         RunBlock::Duration(duration) => {
+            if automatic {
+                step = fitted(step, duration.value, shortest_interval(builder));
+            }
             let exact = duration.value / step;
             let steps = (exact - 1e-9 * exact.max(1.0)).ceil().max(0.0);
-            if matches!(choice.value, StepChoice::Auto { .. }) && steps > 0.0 {
-                step = duration.value / steps;
-            } else if (steps - exact).abs() > 1e-6 {
+            if (steps - exact).abs() > 1e-6 {
+                let help = if automatic {
+                    "the step fits the shortest interval of an output; choose a duration that is a multiple of it"
+                } else {
+                    "choose a step that divides the duration, or `Auto()`"
+                };
                 builder.warning(
                     duration.span.clone(),
                     format!(
                         "the duration is {exact:.3} steps of {step:e} s; the run takes {steps} steps, {:e} s",
                         steps * step
                     ),
-                    "choose a step that divides the duration, or `Auto()`",
+                    help,
                 );
             }
             steps
@@ -154,4 +161,21 @@ fn shortest_contact(plan: &Plan) -> Option<f64> {
         }
     }
     shortest
+}
+
+/// Shortest interval of an output that is given as a time \[s\].
+fn shortest_interval(builder: &Builder<'_>) -> Option<f64> {
+    let intervals =
+        builder.scene.outputs.items.iter().filter_map(|output| match output.every.as_ref()?.value {
+            EveryChoice::Time(time) => Some(time),
+            EveryChoice::Steps(_) => None,
+        });
+    intervals.min_by(f64::total_cmp)
+}
+
+/// The largest step, `step` at most, of which the interval between outputs, or else the duration, is a whole number.
+fn fitted(step: f64, duration: f64, interval: Option<f64>) -> f64 {
+    let whole = interval.filter(|interval| *interval < duration).unwrap_or(duration);
+    let number = (whole / step * (1.0 - 1e-12)).ceil();
+    if number >= 1.0 && number <= MOST_STEPS { whole / number } else { step }
 }

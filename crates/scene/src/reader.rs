@@ -243,6 +243,7 @@ impl Reader {
             Some(value) => Some(Spanned::new(value, node.span())),
             None => {
                 let range = match (least, most) {
+                    _ if most - least == 1 => format!("{least} or {most}"),
                     (0, u64::MAX) => "a whole number".to_string(),
                     (_, u64::MAX) => format!("a whole number from {least}"),
                     _ => format!("a whole number from {least} to {most}"),

@@ -314,7 +314,8 @@ pub const IMPORT: Block = Block {
 
 pub const LAMMPS_DUMP: Block = Block {
     name: "LammpsDump",
-    doc: "A text dump with columns id, type, radius, mass (or density), x, y, z; velocities and spins if present.",
+    doc: "A text dump with columns id, type, radius (or diameter), x, y, z; velocities, spins, masses (or densities) if \
+          present. Without masses, those of the material's density.",
     fields: &[opt("frame", "`Last` or a time step", "`Last`", "Which snapshot.")],
 };
 
