@@ -29,8 +29,8 @@ pub enum CoulombTest {
     /// First the spring alone: it is cut to the limit. Then spring and damper together: the force is cut to the limit
     /// and the spring stays as it is. Never creates energy.
     SpringThenTotal,
-    /// Spring and damper together; while sliding the spring keeps what the damper leaves (LAMMPS). A strong damper then
-    /// winds the spring up backwards, which can create energy in grazing impacts.
+    /// Spring and damper together; while sliding the spring keeps what the damper leaves (LAMMPS). Where the damper takes
+    /// more than the limit the spring is wound up backwards, with energy that nobody has put in.
     Total,
     /// The spring alone; the damper acts only while sticking (LIGGGHTS).
     SpringOnly,
