@@ -23,6 +23,7 @@
 //! | `oracle` | duration, largest overlap, restitution and tangential velocity of single impacts |
 //! | `time scale` | duration and overlap that the plan is told agree with the oracle |
 //!
+//! The checks of the stage as a function run under every preset of [`Conventions`].
 //! Impacts are integrated under the conventions [`PHYSICAL`](crate::Conventions::PHYSICAL) in the hard limit (Luding
 //! 1998, Eqs. (24) and (25)): the normal does not turn. Each result is computed with three step lengths; what is left of the
 //! difference after extrapolation is the tolerance.
@@ -36,8 +37,8 @@ mod pointwise;
 pub mod reference;
 
 use crate::{
-    ContactEnd, ContactLaw, DurationRule, Impact, LawEntry, NormalSummary, PairContext, Params, Slot,
-    TimeScale,
+    ContactEnd, ContactLaw, Conventions, DurationRule, Impact, LawEntry, NormalSummary, PairContext, Params,
+    Slot, TimeScale,
 };
 
 pub use contacts::Contacts;
@@ -105,6 +106,7 @@ pub fn failures(law: &LawEntry) -> Vec<Failure> {
                     pointwise::check(&case, &*double, &mut report);
                     pointwise::check(&case, &*single, &mut report);
                     pointwise::compare(&case, &*double, &*single, &mut report);
+                    under_other_conventions(&case, &mut report);
                     match law.info.slot {
                         Slot::Normal | Slot::Cohesion => head_on::check(&case, &*double, &mut report),
                         Slot::Tangential => {
@@ -124,6 +126,27 @@ pub fn failures(law: &LawEntry) -> Vec<Failure> {
         }
     }
     report.failures
+}
+
+/// The checks of the stage as a function, under the conventions of the peers.
+fn under_other_conventions(case: &Case<'_>, report: &mut Report) {
+    let plain = report.case.clone();
+    for (name, conventions) in Conventions::PRESETS {
+        if conventions == case.pair.conventions {
+            continue;
+        }
+        report.case = format!("{plain}, conventions {name}");
+        let pair = PairContext { conventions, ..*case.pair };
+        let other = Case { pair: &pair, ..*case };
+        match ((case.law.compile_f64)(case.params, &pair), (case.law.compile_f32)(case.params, &pair)) {
+            (Ok(double), Ok(single)) => {
+                pointwise::check(&other, &*double, report);
+                pointwise::check(&other, &*single, report);
+            }
+            (Err(error), _) | (_, Err(error)) => report.fail("info", format!("does not compile: {error}")),
+        }
+    }
+    report.case = plain;
 }
 
 /// One example under one context.

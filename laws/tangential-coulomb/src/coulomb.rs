@@ -125,11 +125,5 @@ impl<T: Real, const REPULSIVE: bool> Stage<T> for Sliding<T, REPULSIVE> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn conforms() {
-        granule_law_api::testing::conformance::<Coulomb>();
-    }
-}
+#[path = "tests.rs"]
+mod tests;

@@ -151,13 +151,3 @@ pub(crate) struct Contact {
     pub normal_stiffness: f64,
     pub normal_damping: f64,
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn conforms() {
-        granule_law_api::testing::conformance::<TangentialSpring>();
-    }
-}

@@ -4,5 +4,7 @@ mod forms;
 mod law;
 mod prediction;
 mod stage;
+#[cfg(test)]
+mod tests;
 
 pub use law::TangentialSpring;

@@ -170,9 +170,9 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
             let (slides, cut) = cut(trial, limit);
             let empty = !self.repulsive && slides && dot(spring, spring) == T::ZERO;
             let force = times(trial, if empty { T::ZERO } else { cut });
-            // What the damper leaves of the limit; nothing is left of a spring without stiffness.
-            let wound = if k > T::ZERO { (T::ONE - cut) / k } else { T::ZERO };
-            let wound = if empty { T::ZERO } else { wound };
+            // What the damper leaves of the limit. A spring of next to no stiffness would be wound up beyond all numbers.
+            let wound = ((T::ONE - cut) / k).min(T::ONE / T::EPSILON);
+            let wound = wound.keep_if(k > T::ZERO && slides && !empty);
             let kept = times(spring, cut);
             let spring = if DAMPED { add(kept, times(damper, -wound)) } else { kept };
             return Held { spring, force, damper: if empty { T::ZERO } else { T::ONE }, slides };
@@ -263,6 +263,7 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
         };
         let normal_velocity = if ENERGY { &chunk.normal_velocity[start..][..n] } else { &[][..] };
         let stiffens = ENERGY && matches!(self.stiffness.0, Stiffness::ContactRadius(_));
+        let radius = if stiffens { &chunk.reduced_radius[start..][..n] } else { &[][..] };
         for k in 0..n {
             let normal = [nx[k], ny[k], nz[k]];
             let velocity = [vx[k], vy[k], vz[k]];
@@ -293,7 +294,9 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
                 friction[k] = slid.keep_if(touches);
                 // A stiffness that follows the contact radius changes the stored energy without work.
                 let stiffening = if stiffens {
-                    -(half * half) * dot(stored, held.spring) * normal_velocity[k] / overlap[k]
+                    // Overlaps below the resolution of positions have no rate.
+                    let resolved = overlap[k].max(T::EPSILON * radius[k]);
+                    -(half * half) * dot(stored, held.spring) * normal_velocity[k] / resolved
                 } else {
                     T::ZERO
                 };

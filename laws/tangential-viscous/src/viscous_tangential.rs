@@ -261,11 +261,5 @@ impl<T: Real, const DAMPING: u8, const LIMITED: bool> Stage<T> for Viscous<T, DA
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn conforms() {
-        granule_law_api::testing::conformance::<ViscousTangential>();
-    }
-}
+#[path = "tests.rs"]
+mod tests;

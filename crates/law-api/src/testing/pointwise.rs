@@ -473,7 +473,7 @@ fn corners<T: Real>(history_width: usize) -> Contacts<T> {
         contacts.reduced_radius[k] = T::of(super::IMPACT.reduced_radius * FACTOR[k % 5]);
         contacts.normal_force[k] = T::of([0.0, -0.0, 1e-45, 1.0, -1.0, 1e9][k % 6]);
         contacts.normal_stiffness[k] = T::of([0.0, 1e-3, 1e5, 1e10][k % 4]);
-        contacts.normal_damping[k] = T::of([0.0, 1e-9, 1.0, 1e6][(k / 4) % 4]);
+        contacts.normal_damping[k] = T::of([0.0, 1e-9, 1.0, 1e3][(k / 4) % 4]);
     }
     contacts
 }
