@@ -120,7 +120,7 @@ pub fn inside(root: &Path, names: &Names) -> Result<Vec<PathBuf>, Error> {
         (
             &catalog,
             insert(&files::read(&catalog)?, &format!("granule-law-{folder}.workspace = true"), |line| {
-                line.starts_with("granule-law-") && line != "granule-law-api.workspace = true"
+                line.starts_with("granule-law-")
             }),
         ),
         (
@@ -238,11 +238,8 @@ mod tests {
                  granule-law-b = { path = \"laws/b\" }\n\nserde = \"1\"\n",
             ),
             ("Cargo.lock", "version = 4\n"),
-            (
-                "laws/catalog/Cargo.toml",
-                "[dependencies]\ngranule-law-api.workspace = true\ngranule-law-b.workspace = true\n",
-            ),
-            ("laws/catalog/src/lib.rs", "use granule_law_api::Registry;\n\nuse granule_law_b as _;\n"),
+            ("laws/catalog/Cargo.toml", "[dependencies]\ngranule-law-b.workspace = true\n"),
+            ("laws/catalog/src/lib.rs", "//! Laws.\n\nuse granule_law_b as _;\n"),
             ("laws/b/src/lib.rs", "name: \"Bee\"\n"),
         ] {
             files::write(&folder.path().join(path), text).unwrap();
@@ -266,12 +263,12 @@ mod tests {
         );
         assert_eq!(
             read("laws/catalog/Cargo.toml"),
-            "[dependencies]\ngranule-law-api.workspace = true\ngranule-law-a-a.workspace = true\n\
+            "[dependencies]\ngranule-law-a-a.workspace = true\n\
              granule-law-b.workspace = true\ngranule-law-c.workspace = true\n"
         );
         assert_eq!(
             read("laws/catalog/src/lib.rs"),
-            "use granule_law_api::Registry;\n\nuse granule_law_a_a as _;\nuse granule_law_b as _;\nuse granule_law_c as _;\n"
+            "//! Laws.\n\nuse granule_law_a_a as _;\nuse granule_law_b as _;\nuse granule_law_c as _;\n"
         );
         assert!(read("laws/a-a/src/a_a.rs").contains("slot: Slot::Rolling"));
     }

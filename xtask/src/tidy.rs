@@ -9,11 +9,10 @@ use crate::{directions, files};
 mod catalog;
 mod text;
 
-/// What `git clone` may show at the top level, apart from build folders.
-pub const TOP_LEVEL: [&str; 18] = [
+/// What the top level holds besides packages.
+pub const TOP_LEVEL: [&str; 17] = [
     ".cargo/",
     ".ci/",
-    ".git/",
     ".gitignore",
     "ARCHITECTURE.md",
     "CHANGELOG.md",
@@ -70,17 +69,21 @@ pub fn problems(root: &Path) -> Result<Vec<String>, Error> {
 }
 
 fn top_level(root: &Path) -> Result<Vec<String>, Error> {
-    let unknown = files::entries(root)?.into_iter().filter(|name| {
-        !(TOP_LEVEL.contains(&name.as_str())
-            || TOP_PACKAGES.contains(&name.as_str())
-            || name == ".git"
-            || name.starts_with("target") && name.ends_with('/'))
-    });
-    Ok(unknown
+    let entries = files::entries(root)?;
+    let allowed = || TOP_LEVEL.iter().chain(&TOP_PACKAGES);
+    let build = |name: &str| name.starts_with("target") && name.ends_with('/');
+    // A linked work tree has a file `.git`; an archive has none.
+    let unknown = entries
+        .iter()
+        .filter(|name| !build(name) && name.trim_end_matches('/') != ".git")
+        .filter(|name| !allowed().any(|allowed| allowed == name))
         .map(|name| {
             format!("{name}: does not belong to the top level; move it, or allow it in xtask/src/tidy.rs")
-        })
-        .collect())
+        });
+    let missing = allowed()
+        .filter(|allowed| !entries.iter().any(|name| name == *allowed))
+        .map(|allowed| format!("{allowed}: is missing from the top level"));
+    Ok(unknown.chain(missing).collect())
 }
 
 #[cfg(test)]
@@ -88,13 +91,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn refuses_unknown_names_at_the_top() {
+    fn the_top_level_is_the_list() {
         let folder = tempfile::tempdir().unwrap();
-        for path in ["Cargo.toml", "notes.txt", "target/x", "rust-toolchain.toml"] {
-            files::write(&folder.path().join(path), "x").unwrap();
+        let write = |path: &str| files::write(&folder.path().join(path), "x").unwrap();
+        for path in TOP_LEVEL.iter().chain(&TOP_PACKAGES) {
+            write(&if path.ends_with('/') { format!("{path}x") } else { (*path).to_string() });
         }
+        write("target/x");
+        write(".git");
+        assert_eq!(top_level(folder.path()).unwrap(), Vec::<String>::new());
+        write("notes.txt");
+        std::fs::remove_file(folder.path().join("README.md")).unwrap();
         let problems = top_level(folder.path()).unwrap();
+        assert!(
+            problems[0].starts_with("notes.txt: does not belong")
+                && problems[1].starts_with("README.md: is missing")
+        );
         assert_eq!(problems.len(), 2);
-        assert!(problems[0].starts_with("notes.txt: "));
     }
 }
