@@ -14,3 +14,6 @@ pub mod pages;
 pub mod test;
 pub mod tidy;
 pub mod validate;
+
+/// Names of the tasks.
+pub const TASKS: [&str; 7] = ["validate", "test", "bench", "new-law", "pages", "tidy", "ci"];

@@ -60,3 +60,18 @@ fn task(words: &[String]) -> Result<(), Error> {
         other => Err(Error::usage(format!("there is no task `{other}`\n\n{USAGE}"))),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_task_is_explained_and_others_are_refused() {
+        for name in xtask::TASKS {
+            assert!(USAGE.contains(&format!("\n  {name} ")), "{name}");
+        }
+        for words in [&[][..], &["figure".to_string()], &["tidy".to_string(), "now".to_string()]] {
+            assert_eq!(task(words).unwrap_err().code, 2, "{words:?}");
+        }
+    }
+}
