@@ -20,7 +20,7 @@
 //! over. LAMMPS `read_dump` and LIGGGHTS skip this line unread, OVITO compares its beginning only, ASE looks for the
 //! words in it, MDAnalysis skips it by position. Elsewhere it would break one of them: LAMMPS matches the lines
 //! `ITEM: TIMESTEP` and `ITEM: TIME` to their end and reads the counts as the only word of a line; an item of its own
-//! stops LAMMPS and LIGGGHTS.
+//! stops LAMMPS and LIGGGHTS. Tried with LAMMPS 29 Sep 2021, LIGGGHTS 3.8, OVITO 3, ASE and MDAnalysis.
 //!
 //! # Time
 //! `ITEM: TIME` is read by OVITO and, since 2021, by LAMMPS; LIGGGHTS and MDAnalysis expect `ITEM: TIMESTEP` as the
