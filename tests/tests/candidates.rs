@@ -118,3 +118,33 @@ fn a_contact_crosses_a_periodic_boundary() {
     let crossed = plan(&periodic).cell.wrap(across[0].position).0[0];
     assert!((0.0..0.1).contains(&crossed));
 }
+
+/// A body that flies off to a kilometre neither costs memory for the space in between nor disturbs the others.
+#[test]
+fn a_body_may_leave_for_good() {
+    let text = |runaway: &str| {
+        format!(
+            r#"(version: 1, seed: 2, materials: {{ "a": (density: 1000) }}, impact_speed: 3,
+            bodies: [
+                Fill(material: "a", radius: "2 mm", count: 100, lo: (0, 0, 0), hi: (0.05, 0.05, 0.05), velocity_spread: 1),
+                {runaway}
+            ],
+            contacts: [(between: ("a", "a"), normal: LinearSpringDashpot(stiffness: 1e4, restitution: 0.8))],
+            driver: TimeStep(step: "10 us"), run: (steps: 2000))"#
+        )
+    };
+    let alone = granule_tests::run(&text(""));
+    let mut with = driver(&text(
+        r#"Sphere(id: 999, material: "a", radius: "2 mm", position: (1000, 0, 0), velocity: (1000, 0, 0)),"#,
+    ));
+    advance(&mut with, 2000);
+    assert!(with.engine().list_bytes() < 10_000_000, "{} bytes of lists", with.engine().list_bytes());
+    let with = bodies(&with);
+    // Two thousand additions to a thousand metres leave as many units in the last place of 1e-13 m.
+    assert!((with[100].position[0] - 1020.0).abs() < 1e-9, "it flies on: {}", with[100].position[0]);
+    for (a, b) in alone.iter().zip(&with) {
+        for axis in 0..3 {
+            assert!((a.velocity[axis] - b.velocity[axis]).abs() < 1e-9);
+        }
+    }
+}

@@ -20,7 +20,10 @@ pub(crate) fn evaluate<S: Space, T: Arithmetic>(
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the instruction set was detected on this machine.
-        #[expect(unsafe_code, reason = "calling a function that was compiled for a detected instruction set")]
+        #[expect(
+            unsafe_code,
+            reason = "calling a function that was compiled for a detected instruction set"
+        )]
         return unsafe { evaluate_avx2::<S, T>(tile, arena, at, force, torque) };
     }
     tile.evaluate_with::<S, T>(arena, at, force, torque);

@@ -17,6 +17,8 @@ pub(crate) struct Lists {
     pub tile_size: usize,
     pub shifts: [[f64; 3]; IMAGE_CODES],
     grid: NeighbourGrid,
+    /// Part of the skin for which a periodic cell must have room.
+    margin: f64,
     skin: f64,
     inner_skin: f64,
     /// Bound of what any body (or wall) has moved since the outer list was made \[m\].
@@ -48,20 +50,29 @@ impl Lists {
         let class = |material, partner| plan.composition(material, partner).map(|index| index as u32);
         let pairs = (0..materials).flat_map(|i| (0..materials).map(move |j| (i, j)));
         let with_walls = (0..materials).flat_map(|i| (0..walls).map(move |wall| (i, wall)));
+        let largest_radius = bodies.position.iter().fold(0.0, |largest: f64, row| largest.max(row[3]));
+        let reach =
+            plan.compositions.iter().fold(0.0, |reach: f64, composition| reach.max(composition.reach));
+        let skin = match plan.driver.search {
+            Search::Grid => plan.driver.skin,
+            // All pairs are listed anyway. They stay the right ones until the nearest image of a pair may change.
+            Search::AllPairs | Search::None => nearest_period(plan) / 2.0 - 2.0 * largest_radius - reach,
+        };
         Self {
             tiles: Vec::new(),
             tile_size,
             shifts: plan.cell.shift_table(),
             grid: NeighbourGrid::new(),
-            skin: plan.driver.skin,
-            inner_skin: plan.driver.skin / 16.0,
+            margin: if plan.driver.search == Search::Grid { skin } else { 0.0 },
+            skin,
+            inner_skin: skin / 16.0,
             travelled_outer: f64::INFINITY,
             travelled_inner: f64::INFINITY,
             steps_since_prune: 0,
             pair_class: pairs.map(|(i, j)| class(i, Partner::Body(j))).collect(),
             wall_class: with_walls.map(|(i, wall)| class(i, Partner::Wall(wall))).collect(),
-            largest_radius: bodies.position.iter().fold(0.0, |largest: f64, row| largest.max(row[3])),
-            reach: plan.compositions.iter().fold(0.0, |reach: f64, composition| reach.max(composition.reach)),
+            largest_radius,
+            reach,
             history_width: crate::gather::history_width(plan),
             order: Vec::new(),
             start: Vec::new(),
@@ -84,13 +95,13 @@ impl Lists {
 
     /// True if bodies may have come closer than the outer list knows.
     pub fn outer_expired(&self) -> bool {
-        // A distance that is not a number must expire the list, too.
-        self.travelled_outer.is_nan() || 2.0 * self.travelled_outer > self.skin
+        // Before the first list, and after a motion that is not a number, nothing is known.
+        !self.travelled_outer.is_finite() || 2.0 * self.travelled_outer > self.skin
     }
 
     /// True if bodies may have come closer than the inner list knows.
     pub fn inner_expired(&self) -> bool {
-        self.travelled_inner.is_nan() || 2.0 * self.travelled_inner > self.inner_skin
+        !self.travelled_inner.is_finite() || 2.0 * self.travelled_inner > self.inner_skin
     }
 
     /// Sorts the bodies and makes all lists anew. Histories of contacts are carried over.
@@ -104,7 +115,7 @@ impl Lists {
     ) -> Result<(), EngineError> {
         let count = bodies.len();
         plan.cell
-            .check_minimum_length(self.largest_radius, self.skin + self.reach)
+            .check_minimum_length(self.largest_radius, self.margin + self.reach)
             .map_err(|error| EngineError::Search(error.to_string()))?;
         for (row, image) in bodies.position.iter_mut().zip(&mut bodies.image) {
             let (wrapped, crossed) = plan.cell.wrap(row.vector());
@@ -298,6 +309,12 @@ impl Lists {
             + self.scratch.capacity() * size_of::<Row>();
         buffers + self.tiles.iter().map(Tile::bytes).sum::<usize>()
     }
+}
+
+/// Shortest period of the cell \[m\]; infinite without periodic directions.
+fn nearest_period(plan: &Plan) -> f64 {
+    let (period, periodic) = (plan.cell.period(), plan.cell.periodic());
+    (0..3).filter(|axis| periodic[*axis]).map(|axis| period[axis]).fold(f64::INFINITY, f64::min)
 }
 
 fn each_tile(tiles: &mut [Tile], parallel: bool, work: impl Fn(usize, &mut Tile) + Sync + Send) {
