@@ -1,1 +1,78 @@
-//! Facade: read a scene, plan it, run it
+//! granule: granular matter, simulated grain by grain.
+//!
+//! [`load`] reads a scene file into a plan and reports all its problems at once; [`run`] does what the plan says and
+//! writes the outputs. The program `granule` is a thin layer above these two.
+//!
+//! ```no_run
+//! use granule::prelude::*;
+//!
+//! let stop = std::sync::atomic::AtomicBool::new(false);
+//! let summary = granule::run(
+//!     "scene.ron",
+//!     RunOptions { output_dir: None, threads: None, force: false, progress: &mut Silent, stop: &stop },
+//! )?;
+//! println!("{} steps, result {}", summary.steps, summary.result_hash);
+//! # Ok::<(), RunError>(())
+//! ```
+//!
+//! To look at every step oneself, take the plan and drive it:
+//!
+//! ```no_run
+//! use granule::prelude::*;
+//!
+//! let plan = std::sync::Arc::new(granule::load("scene.ron")?.plan);
+//! let steps = plan.driver.steps;
+//! let mut driver = TimeStepDriver::new(plan, None)?;
+//! let never = std::sync::atomic::AtomicBool::new(false);
+//! for step in 1..=steps {
+//!     driver.advance(step, &never)?;
+//!     println!("{} {}", driver.time(), quantities::kinetic_energy(&driver.view()));
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! This crate links every law that granule ships. A program that wants its own laws too depends on their crates and
+//! names each once: `use my_law as _;`.
+
+mod directory;
+mod load;
+mod progress;
+mod record;
+mod run;
+
+pub use directory::{DirectoryError, default_directory};
+pub use granule_plan::explain;
+pub use load::{LoadError, Loaded, Source, laws, load, load_text};
+pub use progress::{Outlook, Progress, Silent, Status};
+pub use run::{Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};
+
+/// The crates behind this one, for whoever needs more of them than the [`prelude`] has.
+pub mod parts {
+    pub use granule_drivers as drivers;
+    pub use granule_engine as engine;
+    pub use granule_formats as formats;
+    pub use granule_geometry as geometry;
+    pub use granule_law_api as law_api;
+    pub use granule_observers as observers;
+    pub use granule_plan as plan;
+    pub use granule_report as report;
+    pub use granule_scene as scene;
+    pub use granule_state as state;
+    pub use granule_units as units;
+}
+
+/// What most programs need.
+pub mod prelude {
+    pub use granule_drivers::{
+        Advance, ContactPartner, ContactRecord, Driver, EngineError, TimeStepDriver, View,
+    };
+    pub use granule_law_api::{ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot};
+    pub use granule_observers::{Energy, Observer, Observers, quantities};
+    pub use granule_plan::{Dimensions, OutputKind, Plan};
+    pub use granule_scene::{Diagnostic, Severity};
+
+    pub use crate::{
+        Ending, LoadError, Loaded, Outlook, Progress, RunError, RunOptions, RunSummary, Silent, Source,
+        Status,
+    };
+}

@@ -1,0 +1,72 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    done
+  1    the scene has errors or cannot be read, or there is no such law
+  2    the command line is wrong
+  3    the run failed: a number is no longer finite, or an output cannot be written
+  130  stopped by Ctrl-C or a termination signal; what was written is whole";
+
+/// Granular matter, simulated grain by grain.
+#[derive(Debug, Parser)]
+#[command(name = "granule", version, about, after_help = EXIT_CODES, max_term_width = 100)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene and write its outputs
+    Run(RunArguments),
+    /// Say what a run would include, what it leaves out, and why
+    Explain {
+        /// Scene file
+        scene: PathBuf,
+    },
+    /// Report all problems of scenes at once
+    Check {
+        /// Scene files
+        #[arg(required = true)]
+        scenes: Vec<PathBuf>,
+    },
+    /// List the contact laws, or show one with its parameters, formula and sources
+    Laws {
+        /// Name of a law, as in scenes
+        name: Option<String>,
+        /// Print only a scene that uses the law
+        #[arg(long, requires = "name")]
+        example: bool,
+    },
+    /// Print a completion script for a shell
+    Completions {
+        /// Shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// `granule run`.
+#[derive(Debug, clap::Args)]
+pub struct RunArguments {
+    /// Scene file
+    pub scene: PathBuf,
+    /// Folder for the outputs [default: out/<name of the scene>]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Worker threads; results do not depend on it [default: what the scene says, else all cores]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub threads: Option<u16>,
+    /// Show no progress and no summary
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Replace outputs of another scene in the output folder
+    #[arg(long)]
+    pub force: bool,
+}

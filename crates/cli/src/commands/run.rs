@@ -1,0 +1,108 @@
+//! `granule run`: runs a scene and writes its outputs.
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use granule::prelude::{Ending, RunError, RunOptions, RunSummary};
+
+use super::{Exit, show_load_error};
+use crate::args::RunArguments;
+use crate::{progress, terminal, text};
+
+/// Runs a scene.
+pub fn run(arguments: &RunArguments) -> Exit {
+    let loaded = match granule::load(&arguments.scene) {
+        Ok(loaded) => loaded,
+        Err(error) => {
+            show_load_error(&error);
+            return Exit::Input;
+        }
+    };
+    terminal::diagnostics(&loaded.source, &loaded.warnings);
+    let stop = Arc::new(AtomicBool::new(false));
+    if let Err(error) = catch_signals(&stop) {
+        terminal::error(&format!("signals cannot be caught: {error}"));
+        return Exit::Run;
+    }
+    let directory =
+        arguments.output.clone().unwrap_or_else(|| granule::default_directory(&loaded.source.path));
+    let mut display = progress::display(arguments.quiet);
+    let options = RunOptions {
+        output_dir: None,
+        threads: arguments.threads.map(usize::from),
+        force: arguments.force,
+        progress: display.as_mut(),
+        stop: &stop,
+    };
+    let steps = loaded.plan.driver.steps;
+    match granule::run_plan(loaded.plan, Some(&loaded.source), &directory, options) {
+        Ok(summary) => finished(&summary, steps, arguments.quiet),
+        Err(error) => {
+            terminal::error(&error.to_string());
+            if let RunError::Engine { directory, .. } = &error {
+                terminal::err(&format!("what was written until then is in {}\n", directory.display()));
+            }
+            Exit::Run
+        }
+    }
+}
+
+/// Lets the first Ctrl-C or termination signal end the run after its current steps, and a second one end the program at
+/// once.
+fn catch_signals(stop: &Arc<AtomicBool>) -> Result<(), ctrlc::Error> {
+    let stop = Arc::clone(stop);
+    ctrlc::set_handler(move || {
+        if stop.swap(true, Ordering::Relaxed) {
+            std::process::exit(Exit::Interrupted as i32);
+        }
+    })
+}
+
+fn finished(summary: &RunSummary, steps: u64, quiet: bool) -> Exit {
+    if summary.ending == Ending::Stopped {
+        terminal::err(&format!(
+            "stopped at step {} of {steps}, t = {} s; the outputs in {} are whole up to there\n",
+            summary.steps,
+            text::number(text::rounded(summary.time)),
+            summary.directory.display()
+        ));
+        return Exit::Interrupted;
+    }
+    if !quiet {
+        terminal::out(&report(summary));
+    }
+    Exit::Success
+}
+
+/// The summary of a run.
+fn report(summary: &RunSummary) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "steps          {}", summary.steps);
+    let _ = writeln!(out, "time           {} s", text::number(text::rounded(summary.time)));
+    let _ = writeln!(
+        out,
+        "speed          {}particle-steps/s ({})",
+        text::short(summary.particle_steps_per_second),
+        text::duration(summary.wall)
+    );
+    if let Some(drift) = &summary.energy_drift {
+        let _ = writeln!(
+            out,
+            "energy drift   {:.3e} J, {:.1e} of the energy turned over",
+            drift.residual,
+            drift.relative()
+        );
+    }
+    let _ = writeln!(out, "result hash    {}", summary.result_hash);
+    for (index, path) in summary.outputs.iter().enumerate() {
+        let _ = writeln!(
+            out,
+            "{}{}",
+            if index == 0 { "outputs        " } else { "               " },
+            path.display()
+        );
+    }
+    out
+}

@@ -1,0 +1,186 @@
+//! From a scene file to a plan.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use granule_law_api::{Registry, RegistryError};
+use granule_laws as _;
+use granule_plan::Plan;
+use granule_scene::Diagnostic;
+
+/// Largest scene file that is read \[bytes\]. Many bodies belong into an imported file, not into the scene.
+const LARGEST_SCENE: u64 = 64 << 20;
+
+/// The text of a scene and where it came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// Path as the user gave it.
+    pub path: PathBuf,
+    /// The whole text.
+    pub text: String,
+}
+
+/// A scene that can run.
+pub struct Loaded {
+    /// Its text.
+    pub source: Source,
+    /// What will run.
+    pub plan: Plan,
+    /// What is probably not meant, but no obstacle.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// Why a scene cannot be loaded.
+#[derive(Debug)]
+pub enum LoadError {
+    /// The file cannot be read.
+    Read {
+        /// Path as given.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// The path is a folder.
+    Folder(PathBuf),
+    /// The file is not UTF-8 text.
+    NotText {
+        /// Path as given.
+        path: PathBuf,
+        /// Offset of the first byte that is not UTF-8.
+        offset: usize,
+    },
+    /// The file is larger than any scene.
+    TooLarge(PathBuf),
+    /// Linked laws contradict each other.
+    Registry(RegistryError),
+    /// The scene has errors.
+    Scene {
+        /// Its text.
+        source: Source,
+        /// All problems, in the order of their places.
+        diagnostics: Vec<Diagnostic>,
+    },
+}
+
+impl std::fmt::Display for LoadError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Read { path, error } => write!(f, "{}: {error}", path.display()),
+            Self::Folder(path) => write!(f, "{} is a folder, not a scene file", path.display()),
+            Self::NotText { path, offset } => {
+                write!(f, "{} is not UTF-8 text (byte {offset}); is it a scene file?", path.display())
+            }
+            Self::TooLarge(path) => write!(
+                f,
+                "{} is larger than {} MiB; import many bodies from a data file instead",
+                path.display(),
+                LARGEST_SCENE >> 20
+            ),
+            Self::Registry(error) => error.fmt(f),
+            Self::Scene { source, diagnostics } => {
+                let file = source.path.display().to_string();
+                for diagnostic in diagnostics {
+                    f.write_str(&diagnostic.render(&file, &source.text))?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl std::error::Error for LoadError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Read { error, .. } => Some(error),
+            Self::Registry(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+/// All laws linked into this program: those that granule ships, and those of every crate that registers its own and is
+/// referenced by the program.
+///
+/// # Errors
+/// Two laws of one name, or a law built against another law interface.
+pub fn laws() -> Result<Registry, RegistryError> {
+    Registry::collect()
+}
+
+/// Reads a scene file and plans it.
+///
+/// # Errors
+/// The file cannot be read, or the scene has errors; see [`LoadError`].
+pub fn load(path: impl AsRef<Path>) -> Result<Loaded, LoadError> {
+    let path = path.as_ref();
+    load_text(path, read(path)?)
+}
+
+/// Plans the text of a scene. Files that it imports are looked for beside `path`, which itself need not exist.
+///
+/// # Errors
+/// As for [`load`].
+pub fn load_text(path: &Path, text: String) -> Result<Loaded, LoadError> {
+    let registry = laws().map_err(LoadError::Registry)?;
+    let source = Source { path: path.to_path_buf(), text };
+    let parsed = granule_scene::parse(&source.text);
+    let mut diagnostics = parsed.diagnostics;
+    let mut plan = None;
+    if let Some(scene) = &parsed.scene {
+        let (built, problems) = granule_plan::build(scene, &registry, folder(path));
+        plan = built;
+        diagnostics.extend(problems);
+        granule_scene::tidy(&mut diagnostics);
+    }
+    match plan {
+        Some(plan) => Ok(Loaded { source, plan, warnings: diagnostics }),
+        None => Err(LoadError::Scene { source, diagnostics }),
+    }
+}
+
+/// The folder that a scene lies in.
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+fn read(path: &Path) -> Result<String, LoadError> {
+    let fail = |error| LoadError::Read { path: path.to_path_buf(), error };
+    if path.is_dir() {
+        return Err(LoadError::Folder(path.to_path_buf()));
+    }
+    let file = std::fs::File::open(path).map_err(fail)?;
+    let mut bytes = Vec::new();
+    file.take(LARGEST_SCENE + 1).read_to_end(&mut bytes).map_err(fail)?;
+    if bytes.len() as u64 > LARGEST_SCENE {
+        return Err(LoadError::TooLarge(path.to_path_buf()));
+    }
+    String::from_utf8(bytes).map_err(|error| LoadError::NotText {
+        path: path.to_path_buf(),
+        offset: error.utf8_error().valid_up_to(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_scene_file_is_said_so() {
+        let folder = tempfile::tempdir().unwrap();
+        let message = |path: &Path| load(path).err().unwrap().to_string();
+        assert!(message(folder.path()).contains("is a folder"));
+        assert!(message(&folder.path().join("none.ron")).contains("none.ron: No such file"));
+        let binary = folder.path().join("binary.ron");
+        std::fs::write(&binary, b"(a\xff)").unwrap();
+        assert!(message(&binary).contains("not UTF-8 text (byte 2)"));
+    }
+
+    #[test]
+    fn the_folder_of_a_bare_name_is_the_current_one() {
+        assert_eq!(folder(Path::new("scene.ron")), Path::new("."));
+        assert_eq!(folder(Path::new("a/scene.ron")), Path::new("a"));
+    }
+}

@@ -1,0 +1,370 @@
+//! Runs a plan and writes its outputs.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use granule_drivers::{Advance, Driver, EngineError, TimeStepDriver};
+use granule_formats::Provenance;
+use granule_observers::{Energy, MANIFEST, ObserveError, Observers};
+use granule_plan::Plan;
+
+use crate::directory::{self, DirectoryError, default_directory};
+use crate::load::{LoadError, Loaded, Source, load};
+use crate::progress::{Outlook, Progress, Status};
+use crate::record::{Record, Recorder};
+
+/// Version of this program, as outputs carry it.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Wall-clock time between two reports of progress.
+const REPORT: Duration = Duration::from_millis(200);
+
+/// How a run is done. None of this changes its results.
+pub struct RunOptions<'a> {
+    /// Folder of the outputs; [`default_directory`] if absent.
+    pub output_dir: Option<PathBuf>,
+    /// Worker threads; what the scene says if absent.
+    pub threads: Option<usize>,
+    /// Replaces outputs of another plan.
+    pub force: bool,
+    /// Who is told how far the run is.
+    pub progress: &'a mut dyn Progress,
+    /// Set it, from any thread, to end the run early.
+    pub stop: &'a AtomicBool,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// At its last step.
+    Completed,
+    /// Earlier, because it was asked to stop.
+    Stopped,
+}
+
+/// How well the energy ledger closes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyDrift {
+    /// What the ledger does not account for \[J\].
+    pub residual: f64,
+    /// The largest energy that the residual can be held against \[J\]: kinetic and elastic energy at the start and the
+    /// end, and what was dissipated, supplied by walls, or taken from gravity in between.
+    pub scale: f64,
+}
+
+impl EnergyDrift {
+    fn between(start: &Energy, end: &Energy) -> Self {
+        let contained = |energy: &Energy| energy.kinetic + energy.rotational + energy.elastic;
+        let dissipated = end.dissipated_viscous + end.dissipated_friction;
+        let exchanged = [dissipated, end.wall_work, end.gravity - start.gravity];
+        let scale = exchanged.into_iter().map(f64::abs).fold(contained(start).max(contained(end)), f64::max);
+        Self { residual: end.residual_since(start), scale }
+    }
+
+    /// Residual over scale; zero if nothing has energy.
+    pub fn relative(&self) -> f64 {
+        if self.scale > 0.0 { self.residual / self.scale } else { 0.0 }
+    }
+}
+
+/// What a run has done.
+#[derive(Clone, Debug)]
+pub struct RunSummary {
+    /// How it ended.
+    pub ending: Ending,
+    /// Steps done.
+    pub steps: u64,
+    /// Simulated time \[s\].
+    pub time: f64,
+    /// Wall-clock time of the steps and outputs.
+    pub wall: Duration,
+    /// Bodies times steps over `wall` \[1/s\].
+    pub particle_steps_per_second: f64,
+    /// How well the energy ledger closes, if it exists.
+    pub energy_drift: Option<EnergyDrift>,
+    /// Hash of the last positions, velocities and spins: equal hashes mean equal bits.
+    pub result_hash: String,
+    /// Folder of the outputs.
+    pub directory: PathBuf,
+    /// The files that were written, the manifest last.
+    pub outputs: Vec<PathBuf>,
+}
+
+/// Why a run failed.
+#[derive(Debug)]
+pub enum RunError {
+    /// The scene cannot be loaded.
+    Load(LoadError),
+    /// The output folder cannot be used.
+    Directory(DirectoryError),
+    /// The physics cannot go on. What was written until then is whole.
+    Engine {
+        /// Why.
+        error: EngineError,
+        /// Folder of the outputs.
+        directory: PathBuf,
+    },
+    /// An output cannot be written.
+    Output(ObserveError),
+    /// The manifest cannot be written.
+    Manifest(String),
+}
+
+impl std::fmt::Display for RunError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Load(error) => error.fmt(f),
+            Self::Directory(error) => error.fmt(f),
+            Self::Engine { error, .. } => error.fmt(f),
+            Self::Output(error) => error.fmt(f),
+            Self::Manifest(reason) => write!(f, "the manifest cannot be written: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for RunError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Load(error) => Some(error),
+            Self::Directory(error) => Some(error),
+            Self::Engine { error, .. } => Some(error),
+            Self::Output(error) => Some(error),
+            Self::Manifest(_) => None,
+        }
+    }
+}
+
+impl From<ObserveError> for RunError {
+    fn from(error: ObserveError) -> Self {
+        Self::Output(error)
+    }
+}
+
+/// Loads a scene and runs it.
+///
+/// # Errors
+/// See [`RunError`].
+pub fn run(path: impl AsRef<Path>, options: RunOptions<'_>) -> Result<RunSummary, RunError> {
+    let Loaded { source, plan, .. } = load(path).map_err(RunError::Load)?;
+    let directory = options.output_dir.clone().unwrap_or_else(|| default_directory(&source.path));
+    run_plan(plan, Some(&source), &directory, options)
+}
+
+/// Runs a plan with all its outputs. `source` enters the manifest.
+///
+/// # Errors
+/// See [`RunError`].
+pub fn run_plan(
+    plan: Plan,
+    source: Option<&Source>,
+    directory: &Path,
+    options: RunOptions<'_>,
+) -> Result<RunSummary, RunError> {
+    let started = SystemTime::now();
+    let created = started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let provenance = Provenance::new(VERSION, &plan.fingerprint, created).map_err(RunError::Manifest)?;
+    let observers = Observers::from_plan(&plan, directory, &provenance)?;
+    directory::prepare(directory, &plan, options.force).map_err(RunError::Directory)?;
+    let plan = Arc::new(plan);
+    let engine = |error| RunError::Engine { error, directory: directory.to_path_buf() };
+    let driver = TimeStepDriver::new(Arc::clone(&plan), options.threads).map_err(engine)?;
+    let recorder = Recorder::new(&plan, source, directory, started);
+    let mut run = Run {
+        bodies: plan.bodies.len(),
+        plan,
+        driver,
+        observers,
+        recorder,
+        output_time: Duration::ZERO,
+        output_calls: 0,
+        begin: Instant::now(),
+    };
+    run.record("running", None)?;
+    run.go(directory, options.progress, options.stop)
+}
+
+/// A run under way.
+struct Run {
+    plan: Arc<Plan>,
+    bodies: usize,
+    driver: TimeStepDriver,
+    observers: Observers,
+    recorder: Recorder,
+    output_time: Duration,
+    output_calls: u64,
+    begin: Instant,
+}
+
+impl Run {
+    fn go(
+        &mut self,
+        directory: &Path,
+        progress: &mut dyn Progress,
+        stop: &AtomicBool,
+    ) -> Result<RunSummary, RunError> {
+        let steps = self.plan.driver.steps;
+        progress.begin(&Outlook {
+            title: &self.plan.title,
+            bodies: self.bodies,
+            steps,
+            duration: steps as f64 * self.plan.driver.step,
+            threads: self.driver.threads(),
+            directory,
+        });
+        self.begin = Instant::now();
+        let start_energy = self.plan.ledger.then(|| Energy::of(&self.driver.view()));
+        let result = self.steps(progress, stop);
+        progress.end(&self.status());
+        let ending = match result {
+            Ok(ending) => ending,
+            Err(error) => {
+                // The first error is the one to tell; what was written is completed as far as it goes.
+                let _ = self.observers.close();
+                let _ = self.record(&format!("failed: {error}"), None);
+                return Err(match error {
+                    Failure::Engine(error) => RunError::Engine { error, directory: directory.to_path_buf() },
+                    Failure::Observe(error) => RunError::Output(error),
+                });
+            }
+        };
+        let wall = self.begin.elapsed();
+        let view = self.driver.view();
+        let energy_drift = start_energy.map(|start| EnergyDrift::between(&start, &Energy::of(&view)));
+        let result_hash = format!("{:016x}", self.driver.result_hash());
+        let outcome = match ending {
+            Ending::Completed => "completed",
+            Ending::Stopped => "stopped by the user",
+        };
+        self.record(outcome, Some(result_hash.clone()))?;
+        let mut outputs: Vec<PathBuf> = self.observers.files().map(|(path, _)| path.to_path_buf()).collect();
+        outputs.push(directory.join(MANIFEST));
+        Ok(RunSummary {
+            ending,
+            steps: self.driver.step(),
+            time: self.driver.time(),
+            wall,
+            particle_steps_per_second: self.rate(wall),
+            energy_drift,
+            result_hash,
+            directory: directory.to_path_buf(),
+            outputs,
+        })
+    }
+
+    fn steps(&mut self, progress: &mut dyn Progress, stop: &AtomicBool) -> Result<Ending, Failure> {
+        let steps = self.plan.driver.steps;
+        self.observe(Observers::start)?;
+        // Steps between two reports: doubled and halved until they take about as long as `REPORT`.
+        let mut stride: u64 = 1;
+        while self.driver.step() < steps {
+            let step = self.driver.step();
+            let due = self.observers.next_due(step).unwrap_or(u64::MAX);
+            let report = step.saturating_add(stride);
+            let until = steps.min(due).min(report);
+            let before = Instant::now();
+            let advance = self.driver.advance(until, stop)?;
+            let spent = before.elapsed();
+            if spent < REPORT / 2 && until == report {
+                stride = stride.saturating_mul(2);
+            } else if spent > REPORT {
+                stride = (stride / 2).max(1);
+            }
+            if advance == Advance::Stopped {
+                self.observe(Observers::finish)?;
+                return Ok(Ending::Stopped);
+            }
+            if until == due {
+                self.observe(Observers::observe)?;
+            }
+            progress.advance(&self.status());
+        }
+        self.observe(Observers::finish)?;
+        Ok(Ending::Completed)
+    }
+
+    fn observe(
+        &mut self,
+        look: impl FnOnce(&mut Observers, &granule_drivers::View<'_>) -> Result<(), ObserveError>,
+    ) -> Result<(), Failure> {
+        if self.observers.is_empty() {
+            return Ok(());
+        }
+        let before = Instant::now();
+        let result = look(&mut self.observers, &self.driver.view());
+        self.output_time += before.elapsed();
+        self.output_calls += 1;
+        Ok(result?)
+    }
+
+    fn rate(&self, wall: Duration) -> f64 {
+        let seconds = wall.as_secs_f64();
+        let work = self.bodies as f64 * self.driver.step() as f64;
+        if seconds > 0.0 { work / seconds } else { 0.0 }
+    }
+
+    fn status(&self) -> Status {
+        let (step, steps) = (self.driver.step(), self.plan.driver.steps);
+        let elapsed = self.begin.elapsed();
+        let left = (step > 0).then(|| {
+            let seconds = elapsed.as_secs_f64() * (steps.saturating_sub(step)) as f64 / step as f64;
+            Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
+        });
+        Status {
+            step,
+            time: self.driver.time(),
+            particle_steps_per_second: self.rate(elapsed),
+            elapsed,
+            left,
+        }
+    }
+
+    fn record(&self, outcome: &str, result_hash: Option<String>) -> Result<(), RunError> {
+        let timings = self.driver.timings();
+        let tally = self.driver.view().tally().clone();
+        self.recorder.write(&Record {
+            outcome,
+            threads: self.driver.threads(),
+            wall: self.begin.elapsed(),
+            phases: [
+                ("candidate lists", timings.lists, self.driver.step()),
+                ("contacts and forces", timings.forces, self.driver.step()),
+                ("time integration", timings.integration, self.driver.step()),
+                ("outputs", self.output_time, self.output_calls),
+            ],
+            steps: self.driver.step(),
+            time: self.driver.time(),
+            contacts: tally.contacts + tally.wall_contacts,
+            files: self.observers.files().collect(),
+            result_hash,
+        })
+    }
+}
+
+/// Why the steps of a run ended early.
+enum Failure {
+    Engine(EngineError),
+    Observe(ObserveError),
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Engine(error) => error.fmt(f),
+            Self::Observe(error) => error.fmt(f),
+        }
+    }
+}
+
+impl From<EngineError> for Failure {
+    fn from(error: EngineError) -> Self {
+        Self::Engine(error)
+    }
+}
+
+impl From<ObserveError> for Failure {
+    fn from(error: ObserveError) -> Self {
+        Self::Observe(error)
+    }
+}
