@@ -120,6 +120,7 @@ impl Builder<'_> {
         outputs::outputs(self, &mut plan);
         self.decide(&plan, &drafts);
         plan.decisions = std::mem::take(&mut self.decisions);
+        plan.fingerprint = crate::fingerprint::fingerprint(&plan);
         Some(plan)
     }
 
@@ -314,6 +315,7 @@ impl Builder<'_> {
             let spinning = drafts.iter().filter(|draft| draft.spin != [0.0; 3]).count();
             let spins = match spinning {
                 0 => String::new(),
+                1 => "; the spin of one body never acts and stays as it is".to_string(),
                 count => format!("; the spins of {count} bodies never act and stay as they are"),
             };
             self.decide_one("rotation", false, format!("no law has a tangential force or a torque{spins}"));
@@ -335,6 +337,7 @@ impl Builder<'_> {
         let moving = plan.walls.iter().filter(|wall| !wall.wall.motion().is_fixed()).count();
         let why = match walls {
             0 => "the scene has none".to_string(),
+            1 => format!("1 surface, {}", if moving == 0 { "fixed" } else { "moving" }),
             _ => format!("{walls} surfaces, {moving} of them moving"),
         };
         self.decide_one("walls", walls > 0, why);

@@ -1,9 +1,11 @@
 //! Driver settings: scheme, search, skin, time step, number of steps.
 
-use granule_law_api::Impact;
+use std::ops::Range;
+
 use granule_scene::{EveryChoice, RunBlock, StepChoice};
 
 use crate::build::Builder;
+use crate::limits::{Limits, limits};
 use crate::model::{Partner, Plan, Scheme, Search, TimeStepPlan};
 
 /// Up to this many bodies, looking at every pair is faster than a search structure.
@@ -12,6 +14,11 @@ const FEW: usize = 16;
 const SKIN: f64 = 0.2;
 /// Largest number of steps: beyond it, times are no longer exact multiples of the step.
 const MOST_STEPS: f64 = 9_007_199_254_740_992.0;
+
+/// Fewest steps in a contact that are taken without a warning.
+const FEWEST_STEPS: f64 = 10.0;
+/// Share of the largest stable step that an automatic step may reach.
+const SAFETY: f64 = 0.5;
 
 /// Settings before anything is known.
 pub(crate) fn blank(scheme: Scheme) -> TimeStepPlan {
@@ -83,22 +90,21 @@ fn search(builder: &mut Builder<'_>, plan: &mut Plan, judged: bool) {
 
 fn step(builder: &mut Builder<'_>, plan: &mut Plan, run: &RunBlock) -> Option<()> {
     let choice = builder.scene.driver.step.clone();
+    let mut limits = limits(plan);
+    if limits.crowded && !builder.scene.driver.packing_limit {
+        limits.crowded = false;
+        let why = format!("the scene lifts the limit of a dense packing, {:.6e} s", limits.packing);
+        builder.decide_one("packing limit", false, why);
+    }
+    plan.driver.step_limit = limits.step();
     let (mut step, why) = match choice.value {
-        StepChoice::Fixed(step) => (step, "given by the scene".to_string()),
-        StepChoice::Auto { steps_per_contact } => match shortest_contact(plan) {
-            Some(duration) => {
-                let why = format!("{steps_per_contact} steps in the shortest contact of {duration:.6e} s");
-                (duration / steps_per_contact, why)
-            }
-            None => {
-                builder.error_help(
-                    choice.span.clone(),
-                    "the time step cannot be chosen: no law of this scene has a contact duration",
-                    "give a step, as in `driver: TimeStep(step: \"1e-5 s\")`",
-                );
-                return None;
-            }
-        },
+        StepChoice::Fixed(step) => {
+            judge(builder, &choice.span, step, &limits);
+            (step, "given by the scene".to_string())
+        }
+        StepChoice::Auto { steps_per_contact } => {
+            automatic_step(builder, &choice.span, steps_per_contact, &limits)?
+        }
     };
     let automatic = matches!(choice.value, StepChoice::Auto { .. });
     let steps = match run {
@@ -141,26 +147,61 @@ fn step(builder: &mut Builder<'_>, plan: &mut Plan, run: &RunBlock) -> Option<()
     Some(())
 }
 
-/// Duration of the shortest contact between the bodies of the scene \[s\].
-fn shortest_contact(plan: &Plan) -> Option<f64> {
-    let mut shortest: Option<f64> = None;
-    for composition in &plan.compositions {
-        let context = &composition.context;
-        for reduced_mass in [context.reduced_mass.min, context.reduced_mass.max] {
-            for reduced_radius in [context.reduced_radius.min, context.reduced_radius.max] {
-                let impact = Impact { reduced_mass, reduced_radius, normal_speed: context.impact_speed };
-                for stage in &composition.stages {
-                    let scale = (stage.law.time_scale)(&stage.params, context, &impact).ok().flatten();
-                    if let Some(scale) =
-                        scale.filter(|scale| scale.duration > 0.0 && scale.duration.is_finite())
-                    {
-                        shortest = Some(shortest.map_or(scale.duration, |least| least.min(scale.duration)));
-                    }
-                }
-            }
+/// A share of the shortest contact, and never near the limit of stability.
+fn automatic_step(
+    builder: &mut Builder<'_>,
+    span: &Range<usize>,
+    steps_per_contact: f64,
+    limits: &Limits,
+) -> Option<(f64, String)> {
+    let by_contact = limits.shortest_contact.map(|duration| {
+        let why = format!("{steps_per_contact} steps in the shortest contact of {duration:.6e} s");
+        (duration / steps_per_contact, why)
+    });
+    let safe = SAFETY * limits.step();
+    match by_contact {
+        Some((step, why)) if step <= safe => Some((step, why)),
+        _ if safe.is_finite() => {
+            Some((safe, format!("{SAFETY} of the largest stable step; {}", limits.stiffest)))
+        }
+        _ => {
+            builder.error_help(
+                span.clone(),
+                "the time step cannot be chosen: no law of this scene has a contact duration",
+                "give a step, as in `driver: TimeStep(step: \"1e-5 s\")`",
+            );
+            None
         }
     }
-    shortest
+}
+
+/// Refuses a step at which the scene is unstable, and warns of one that follows no contact.
+fn judge(builder: &mut Builder<'_>, span: &Range<usize>, step: f64, limits: &Limits) {
+    let limit = limits.step();
+    if step > limit {
+        let why = if limits.crowded && step <= limits.pair {
+            format!(
+                "a single pair would be stable up to {:.6e} s, but a body in a packing is held by all its neighbours: {:.6e} s \
+                 (`packing_limit: false` lifts this for a loose one)",
+                limits.pair, limits.packing
+            )
+        } else {
+            limits.stiffest.clone()
+        };
+        builder.error_help(
+            span.clone(),
+            format!("a time step of {step:e} s is unstable here: the largest is {limit:.6e} s"),
+            format!("{why}; `step: Auto()` chooses one"),
+        );
+    } else if let Some(duration) = limits.shortest_contact
+        && step * FEWEST_STEPS > duration
+    {
+        builder.warning(
+            span.clone(),
+            format!("the shortest contact, {duration:.6e} s, has only {:.1} steps", duration / step),
+            format!("stable, but inaccurate: {FEWEST_STEPS} steps are few, 50 are usual"),
+        );
+    }
 }
 
 /// Shortest interval of an output that is given as a time \[s\].
@@ -177,5 +218,5 @@ fn shortest_interval(builder: &Builder<'_>) -> Option<f64> {
 fn fitted(step: f64, duration: f64, interval: Option<f64>) -> f64 {
     let whole = interval.filter(|interval| *interval < duration).unwrap_or(duration);
     let number = (whole / step * (1.0 - 1e-12)).ceil();
-    if number >= 1.0 && number <= MOST_STEPS { whole / number } else { step }
+    if (1.0..=MOST_STEPS).contains(&number) { whole / number } else { step }
 }

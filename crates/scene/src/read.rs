@@ -98,6 +98,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
         driver: driver.flatten().unwrap_or(TimeStepBlock {
             integrator: None,
             step: Spanned::new(StepChoice::Auto { steps_per_contact: run::STEPS_PER_CONTACT }, at),
+            packing_limit: true,
             skin: None,
             threads: None,
         }),

@@ -456,6 +456,8 @@ pub struct TimeStepBlock {
     pub integrator: Option<Spanned<IntegratorChoice>>,
     /// Time step.
     pub step: Spanned<StepChoice>,
+    /// A step at which a dense packing would be unstable is refused.
+    pub packing_limit: bool,
     /// Verlet skin \[m\].
     pub skin: Option<Spanned<f64>>,
     /// Worker threads; all cores if absent.

@@ -483,6 +483,13 @@ pub const TIME_STEP: Block = Block {
             "Time step. A step at which the scene would be unstable is refused.",
         ),
         opt(
+            "packing_limit",
+            FROZEN,
+            "true",
+            "Refuses a step at which a dense packing of these bodies would be unstable. A loose one may be stable beyond; with \
+             `false` only a step at which a single pair is unstable is refused.",
+        ),
+        opt(
             "skin",
             LENGTH,
             "a fifth of the mean radius",

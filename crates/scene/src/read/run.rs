@@ -31,12 +31,14 @@ pub fn driver(r: &mut Reader, node: Node<'_>) -> Option<TimeStepBlock> {
         )
     });
     let step = r.optional(&f, "step", step);
+    let packing_limit = r.optional(&f, "packing_limit", Reader::boolean);
     let skin =
         r.optional(&f, "skin", |r, name, node| r.quantity(name, node, Dimension::LENGTH, Allowed::Positive));
     let threads = r.optional(&f, "threads", |r, name, node| r.whole(name, node, 1, 4096));
     Some(TimeStepBlock {
         integrator: integrator?,
         step: step?.unwrap_or(Spanned::new(StepChoice::Auto { steps_per_contact: STEPS_PER_CONTACT }, at)),
+        packing_limit: packing_limit?.unwrap_or(true),
         skin: skin?,
         threads: threads?
             .map(|threads| Spanned::new(u32::try_from(threads.value).unwrap_or(1), threads.span)),

@@ -1,0 +1,167 @@
+//! A hash of everything that determines the results of a run.
+
+use granule_geometry::Surface;
+use granule_law_api::Conventions;
+use nalgebra::Vector3;
+use xxhash_rust::xxh3::Xxh3;
+
+use crate::model::{Dimensions, Partner, Plan, Precision, Scheme, Search};
+
+/// Layout of the hashed bytes; a change makes all fingerprints differ.
+const LAYOUT: u64 = 1;
+
+/// The fingerprint: 32 hexadecimal digits.
+///
+/// Hashed are bodies, walls, compositions with laws, parameters and versions, conventions, scheme, step, skin, precision
+/// and all other settings that the state after a step depends on. Title, outputs, the energy ledger, the number of steps
+/// and the number of threads do not change a trajectory and do not enter.
+pub fn fingerprint(plan: &Plan) -> String {
+    let mut hash = Bytes(Xxh3::new());
+    hash.word(LAYOUT);
+    hash.word(match plan.dimensions {
+        Dimensions::Two => 2,
+        Dimensions::Three => 3,
+    });
+    hash.flag(plan.rotation);
+    hash.word(match plan.precision {
+        Precision::Double => 64,
+        Precision::Single => 32,
+    });
+    conventions(&mut hash, &plan.conventions);
+    hash.numbers(&plan.gravity);
+    hash.numbers(&plan.cell.lo());
+    hash.numbers(&plan.cell.hi());
+    plan.cell.periodic().into_iter().for_each(|periodic| hash.flag(periodic));
+    bodies(&mut hash, plan);
+    walls(&mut hash, plan);
+    compositions(&mut hash, plan);
+    hash.word(match plan.driver.scheme {
+        Scheme::VelocityVerlet => 0,
+        Scheme::ClassicVelocityVerlet => 1,
+        Scheme::Leapfrog => 2,
+        Scheme::SymplecticEuler => 3,
+    });
+    hash.number(plan.driver.step);
+    hash.word(match plan.driver.search {
+        Search::None => 0,
+        Search::AllPairs => 1,
+        Search::Grid => 2,
+    });
+    hash.number(plan.driver.skin);
+    format!("{:032x}", hash.0.digest128())
+}
+
+/// Fixed-width little-endian bytes, texts with their length.
+struct Bytes(Xxh3);
+
+impl Bytes {
+    fn word(&mut self, word: u64) {
+        self.0.update(&word.to_le_bytes());
+    }
+
+    fn flag(&mut self, flag: bool) {
+        self.word(u64::from(flag));
+    }
+
+    fn number(&mut self, number: f64) {
+        self.word(number.to_bits());
+    }
+
+    fn numbers(&mut self, numbers: &[f64]) {
+        numbers.iter().for_each(|number| self.number(*number));
+    }
+
+    fn vector(&mut self, vector: Vector3<f64>) {
+        self.numbers(vector.as_slice());
+    }
+
+    fn text(&mut self, text: &str) {
+        self.word(text.len() as u64);
+        self.0.update(text.as_bytes());
+    }
+}
+
+fn conventions(hash: &mut Bytes, conventions: &Conventions) {
+    // Names, not positions in an enumeration: a reordering must not change fingerprints. All fields are listed, so that a
+    // new one cannot be forgotten.
+    let Conventions {
+        pair_torque_arm,
+        pair_slip_arm,
+        wall_torque_arm,
+        wall_slip_arm,
+        history_update,
+        coulomb_test,
+        coulomb_cap,
+        velocity,
+    } = conventions;
+    for arm in [pair_torque_arm, pair_slip_arm, wall_torque_arm, wall_slip_arm] {
+        hash.text(&format!("{arm:?}"));
+    }
+    hash.text(&format!("{history_update:?} {coulomb_test:?} {coulomb_cap:?} {velocity:?}"));
+}
+
+fn bodies(hash: &mut Bytes, plan: &Plan) {
+    let bodies = &plan.bodies;
+    hash.word(bodies.len() as u64);
+    for k in 0..bodies.len() {
+        hash.word(u64::from(bodies.id[k]));
+        hash.word(u64::from(bodies.material[k]));
+        hash.numbers(&[bodies.radius[k], bodies.mass[k], bodies.inertia_factor[k]]);
+        hash.numbers(&bodies.position[k]);
+        hash.numbers(&bodies.velocity[k]);
+        hash.numbers(&bodies.spin[k]);
+        hash.flag(bodies.frozen[k]);
+    }
+}
+
+fn walls(hash: &mut Bytes, plan: &Plan) {
+    hash.word(plan.walls.len() as u64);
+    for wall in &plan.walls {
+        hash.word(u64::from(wall.material));
+        match wall.wall.surface() {
+            Surface::Plane(plane) => {
+                hash.word(1);
+                hash.vector(plane.point());
+                hash.vector(plane.normal());
+            }
+            Surface::Cylinder(cylinder) => {
+                hash.word(2);
+                hash.vector(cylinder.point());
+                hash.vector(cylinder.axis());
+                hash.number(cylinder.radius());
+                hash.flag(cylinder.inside());
+            }
+        }
+        // The debug text of numbers is the shortest that reads back to the same bits.
+        hash.text(&format!("{:?}", wall.wall.motion()));
+    }
+}
+
+fn compositions(hash: &mut Bytes, plan: &Plan) {
+    hash.word(plan.compositions.len() as u64);
+    for composition in &plan.compositions {
+        hash.word(u64::from(composition.material));
+        match composition.partner {
+            Partner::Body(material) => hash.text(&format!("body {material}")),
+            Partner::Wall(wall) => hash.text(&format!("wall {wall}")),
+        }
+        hash.text(&format!("{:?}", composition.contact_end));
+        // Laws may fold any number of their context into constants.
+        let context = &composition.context;
+        for span in [context.reduced_mass, context.reduced_radius, context.inertia_factor] {
+            hash.numbers(&[span.min, span.max]);
+        }
+        hash.number(context.impact_speed);
+        hash.word(composition.stages.len() as u64);
+        for stage in &composition.stages {
+            hash.text(stage.law.info.name);
+            hash.text(stage.law.crate_name);
+            hash.text(stage.law.crate_version);
+            hash.word(stage.params.form() as u64);
+            for (name, value) in stage.params.values() {
+                hash.text(name);
+                hash.number(*value);
+            }
+        }
+    }
+}
