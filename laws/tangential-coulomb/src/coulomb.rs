@@ -1,7 +1,7 @@
 //! f_t = -μ f_n v_t/|v_t|, stopping at rest.
 
 use granule_law_api::{
-    Columns, ContactChunk, ContactLaw, CoulombCap, Dimension, Form, Impact, LawError, LawInfo, Oracle,
+    CHUNK, Columns, ContactChunk, ContactLaw, CoulombCap, Dimension, Form, Impact, LawError, LawInfo, Oracle,
     PairContext, ParamSpec, Params, Real, Slot, Source, Stage, TimeScale, ValueRange, VelocityRule,
     register_law, vectorised,
 };
@@ -98,9 +98,13 @@ impl<T: Real, const REPULSIVE: bool> Stage<T> for Sliding<T, REPULSIVE> {
         let overlap = &chunk.overlap[..n];
         let normal_force = &chunk.normal_force[..n];
         let mass = &chunk.reduced_mass[..n];
-        let [vx, vy, vz] = chunk.tangential_velocity.map(|column| &column[..n]);
+        let [vx, vy, vz] = chunk.tangential_velocity;
+        let (vx, vy, vz) = (&vx[..n], &vy[..n], &vz[..n]);
         let [fx, fy, fz] = &mut chunk.tangential_force;
         let (fx, fy, fz) = (&mut fx[..n], &mut fy[..n], &mut fz[..n]);
+        // The factor goes through an array that overlaps nothing else, so that the loops become vector code.
+        let mut factors = [T::ZERO; CHUNK];
+        let factors = &mut factors[..n];
         for k in 0..n {
             let speed = (vx[k] * vx[k] + vy[k] * vy[k] + vz[k] * vz[k]).sqrt();
             let force = normal_force[k];
@@ -108,10 +112,12 @@ impl<T: Real, const REPULSIVE: bool> Stage<T> for Sliding<T, REPULSIVE> {
             let limit = (self.friction * force).keep_if(overlap[k] > T::ZERO);
             let stop = mass[k] * per_step * speed;
             let size = if moves { limit.min(stop) } else { limit };
-            let unit = if speed > T::ZERO { size / speed } else { T::ZERO };
-            fx[k] = -(unit * vx[k]);
-            fy[k] = -(unit * vy[k]);
-            fz[k] = -(unit * vz[k]);
+            factors[k] = if speed > T::ZERO { -(size / speed) } else { T::ZERO };
+        }
+        for (force, slip) in [(&mut *fx, vx), (&mut *fy, vy), (&mut *fz, vz)] {
+            for k in 0..n {
+                force[k] = factors[k] * slip[k];
+            }
         }
         if let Some(energy) = &mut chunk.energy {
             energy.elastic[..n].fill(T::ZERO);

@@ -8,7 +8,7 @@ use crate::forms::{Damping, Model, Stiffness};
 
 /// Contacts whose stiffness, damping and limit are worked out before the main loop runs over them: few enough to stay in
 /// registers' reach, many enough to pay for the choice of formulas.
-const BLOCK: usize = 64;
+const BLOCK: usize = 32;
 
 const ROTATE: u8 = 0;
 const ROTATE_IF_TILTED: u8 = 1;
@@ -201,10 +201,16 @@ struct Held<T> {
     slides: bool,
 }
 
+/// What is worked out for the contacts of one block before and in the main loop. The loop writes here and not to the columns
+/// of the chunk: the compiler knows that these arrays overlap nothing else and turns the loop into vector code.
 struct Block<T> {
     stiffness: [T; BLOCK],
     damping: [T; BLOCK],
     limit: [T; BLOCK],
+    force: [[T; BLOCK]; 3],
+    spring: [[T; BLOCK]; 3],
+    /// Elastic energy, viscous and frictional power.
+    energy: [[T; BLOCK]; 3],
 }
 
 impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Stage<T>
@@ -212,20 +218,46 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Stage<T>
 {
     #[inline(always)]
     fn run(&self, chunk: &mut ContactChunk<'_, T>) {
-        let mut block =
-            Block { stiffness: [T::ZERO; BLOCK], damping: [T::ZERO; BLOCK], limit: [T::ZERO; BLOCK] };
+        let zeros = [T::ZERO; BLOCK];
+        let mut block = Block {
+            stiffness: zeros,
+            damping: zeros,
+            limit: zeros,
+            force: [zeros; 3],
+            spring: [zeros; 3],
+            energy: [zeros; 3],
+        };
         let total = chunk.len();
         let mut start = 0;
         while start < total {
             let n = (total - start).min(BLOCK);
             self.coefficients(chunk, start, &mut block, n);
             if chunk.energy.is_some() {
-                self.run_block::<true>(chunk, start, &block, n);
+                self.run_block::<true>(chunk, start, &mut block, n);
             } else {
-                self.run_block::<false>(chunk, start, &block, n);
+                self.run_block::<false>(chunk, start, &mut block, n);
             }
+            store(chunk, start, &block, n);
             start += n;
         }
+    }
+}
+
+/// Copies the results of a block to the columns of the chunk.
+#[inline(always)]
+fn store<T: Real>(chunk: &mut ContactChunk<'_, T>, start: usize, block: &Block<T>, n: usize) {
+    for (column, values) in chunk.tangential_force.iter_mut().zip(&block.force) {
+        column[start..][..n].copy_from_slice(&values[..n]);
+    }
+    if chunk.time_step > T::ZERO {
+        for (column, values) in chunk.history.iter_mut().zip(&block.spring) {
+            column[start..][..n].copy_from_slice(&values[..n]);
+        }
+    }
+    if let Some(energy) = &mut chunk.energy {
+        energy.elastic[start..][..n].copy_from_slice(&block.energy[0][..n]);
+        energy.viscous[start..][..n].copy_from_slice(&block.energy[1][..n]);
+        energy.friction[start..][..n].copy_from_slice(&block.energy[2][..n]);
     }
 }
 
@@ -233,37 +265,31 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
     #[inline(always)]
     fn run_block<const ENERGY: bool>(
         &self,
-        chunk: &mut ContactChunk<'_, T>,
+        chunk: &ContactChunk<'_, T>,
         start: usize,
-        block: &Block<T>,
+        block: &mut Block<T>,
         n: usize,
     ) {
         let dt = chunk.time_step;
-        let advances = dt > T::ZERO;
         let (dt_before, dt_after) = (self.before * dt, (T::ONE - self.before) * dt);
-        let per_step = if advances { T::ONE / dt } else { T::ZERO };
+        let per_step = if dt > T::ZERO { T::ONE / dt } else { T::ZERO };
         let overlap = &chunk.overlap[start..][..n];
-        let [nx, ny, nz] = chunk.normal.map(|column| &column[start..][..n]);
-        let [vx, vy, vz] = chunk.tangential_velocity.map(|column| &column[start..][..n]);
-        let [fx, fy, fz] = &mut chunk.tangential_force;
-        let (fx, fy, fz) = (&mut fx[start..][..n], &mut fy[start..][..n], &mut fz[start..][..n]);
-        let [sx, sy, sz] = &mut *chunk.history else {
+        let [sx, sy, sz] = &*chunk.history else {
             panic!("TangentialSpring has three history columns, not {}", chunk.history.len());
         };
-        let (sx, sy, sz) = (&mut sx[start..][..n], &mut sy[start..][..n], &mut sz[start..][..n]);
+        let (nx, ny, nz) = part(chunk.normal, start, n);
+        let (vx, vy, vz) = part(chunk.tangential_velocity, start, n);
+        let (sx, sy, sz) = part([sx, sy, sz], start, n);
         let (stiffness, damping, limits) = (&block.stiffness[..n], &block.damping[..n], &block.limit[..n]);
-        let mut none: [&mut [T]; 3] = [&mut [], &mut [], &mut []];
-        let [elastic, viscous, friction] = match &mut chunk.energy {
-            Some(energy) if ENERGY => [
-                &mut energy.elastic[start..][..n],
-                &mut energy.viscous[start..][..n],
-                &mut energy.friction[start..][..n],
-            ],
-            _ => none.each_mut().map(|column| &mut **column),
-        };
-        let normal_velocity = if ENERGY { &chunk.normal_velocity[start..][..n] } else { &[][..] };
+        let [fx, fy, fz] = &mut block.force;
+        let (fx, fy, fz) = (&mut fx[..n], &mut fy[..n], &mut fz[..n]);
+        let [kx, ky, kz] = &mut block.spring;
+        let (kx, ky, kz) = (&mut kx[..n], &mut ky[..n], &mut kz[..n]);
+        let [elastic, viscous, friction] = &mut block.energy;
+        let (elastic, viscous, friction) = (&mut elastic[..n], &mut viscous[..n], &mut friction[..n]);
+        let normal_velocity = if ENERGY { &chunk.normal_velocity[start..][..n] } else { overlap };
         let stiffens = ENERGY && matches!(self.stiffness.0, Stiffness::ContactRadius(_));
-        let radius = if stiffens { &chunk.reduced_radius[start..][..n] } else { &[][..] };
+        let radius = if stiffens { &chunk.reduced_radius[start..][..n] } else { overlap };
         for k in 0..n {
             let normal = [nx[k], ny[k], nz[k]];
             let velocity = [vx[k], vy[k], vz[k]];
@@ -279,9 +305,9 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
             fx[k] = (-held.force[0]).keep_if(touches);
             fy[k] = (-held.force[1]).keep_if(touches);
             fz[k] = (-held.force[2]).keep_if(touches);
-            sx[k] = if advances { kept[0].keep_if(touches) } else { spring[0] };
-            sy[k] = if advances { kept[1].keep_if(touches) } else { spring[1] };
-            sz[k] = if advances { kept[2].keep_if(touches) } else { spring[2] };
+            kx[k] = kept[0].keep_if(touches);
+            ky[k] = kept[1].keep_if(touches);
+            kz[k] = kept[2].keep_if(touches);
             if ENERGY {
                 let stored = times(held.spring, kt);
                 let half = T::of(0.5);
@@ -304,6 +330,13 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
             }
         }
     }
+}
+
+/// `n` contacts from `start` of a vector column. Not `map`: the compiler would lose sight of the lengths.
+#[inline(always)]
+fn part<T>(columns: [&[T]; 3], start: usize, n: usize) -> (&[T], &[T], &[T]) {
+    let [x, y, z] = columns;
+    (&x[start..][..n], &y[start..][..n], &z[start..][..n])
 }
 
 #[inline(always)]

@@ -2,9 +2,9 @@
 
 use granule_law_api::testing::reference;
 use granule_law_api::{
-    Columns, ContactChunk, ContactLaw, CoulombCap, Dimension, Form, Impact, LawError, LawInfo, ObliqueImpact,
-    Oracle, PairContext, ParamSpec, Params, Real, Slot, Source, Stage, TimeScale, ValueRange, register_law,
-    vectorised,
+    CHUNK, Columns, ContactChunk, ContactLaw, CoulombCap, Dimension, Form, Impact, LawError, LawInfo,
+    ObliqueImpact, Oracle, PairContext, ParamSpec, Params, Real, Slot, Source, Stage, TimeScale, ValueRange,
+    register_law, vectorised,
 };
 
 const DAMPING: ParamSpec = ParamSpec {
@@ -222,9 +222,13 @@ impl<T: Real, const DAMPING: u8, const LIMITED: bool> Stage<T> for Viscous<T, DA
             MASS => &chunk.reduced_mass[..n],
             _ => &chunk.normal_damping[..n],
         };
-        let [vx, vy, vz] = chunk.tangential_velocity.map(|column| &column[..n]);
+        let [vx, vy, vz] = chunk.tangential_velocity;
+        let (vx, vy, vz) = (&vx[..n], &vy[..n], &vz[..n]);
         let [fx, fy, fz] = &mut chunk.tangential_force;
         let (fx, fy, fz) = (&mut fx[..n], &mut fy[..n], &mut fz[..n]);
+        // The factor goes through an array that overlaps nothing else, so that the loops become vector code.
+        let mut factors = [T::ZERO; CHUNK];
+        let factors = &mut factors[..n];
         for k in 0..n {
             let gamma = if DAMPING == FIXED { self.damping } else { self.damping * by[k] };
             let share = if LIMITED {
@@ -236,10 +240,12 @@ impl<T: Real, const DAMPING: u8, const LIMITED: bool> Stage<T> for Viscous<T, DA
             } else {
                 gamma
             };
-            let share = share.keep_if(overlap[k] > T::ZERO);
-            fx[k] = -(share * vx[k]);
-            fy[k] = -(share * vy[k]);
-            fz[k] = -(share * vz[k]);
+            factors[k] = -share.keep_if(overlap[k] > T::ZERO);
+        }
+        for (force, slip) in [(&mut *fx, vx), (&mut *fy, vy), (&mut *fz, vz)] {
+            for k in 0..n {
+                force[k] = factors[k] * slip[k];
+            }
         }
         if let Some(energy) = &mut chunk.energy {
             let elastic = &mut energy.elastic[..n];
