@@ -1,40 +1,7 @@
-//! The `granule` command.
-
-mod args;
-mod commands;
-mod progress;
-mod terminal;
-mod text;
+//! The `granule` command with the laws that granule ships.
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
-
-use args::{Arguments, Command};
-use commands::Exit;
-
 fn main() -> ExitCode {
-    let exit = match Arguments::parse().command {
-        Command::Run(arguments) => commands::run::run(&arguments),
-        Command::Explain { scene } => commands::explain::explain(&scene),
-        Command::Check { scenes } => commands::check::check(&scenes),
-        Command::Laws { name, example } => commands::laws::laws(name.as_deref(), example),
-        Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Arguments::command(), "granule", &mut script);
-            terminal::out(&String::from_utf8_lossy(&script));
-            Exit::Success
-        }
-    };
-    exit.into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_command_line_is_consistent() {
-        Arguments::command().debug_assert();
-    }
+    granule_cli::main()
 }

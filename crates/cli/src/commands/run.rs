@@ -83,9 +83,10 @@ fn report(summary: &RunSummary) -> String {
     let _ = writeln!(out, "time           {} s", text::number(text::rounded(summary.time)));
     let _ = writeln!(
         out,
-        "speed          {}particle-steps/s ({})",
+        "speed          {}particle-steps/s ({}, of which {} for outputs)",
         text::short(summary.particle_steps_per_second),
-        text::duration(summary.wall)
+        text::duration(summary.wall),
+        text::duration(summary.output_wall)
     );
     if let Some(drift) = &summary.energy_drift {
         let _ = writeln!(

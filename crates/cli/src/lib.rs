@@ -1,0 +1,41 @@
+//! The `granule` command, as a function: a program that links laws of its own calls it, and is the same command with them.
+
+mod args;
+mod commands;
+mod progress;
+mod terminal;
+mod text;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+
+use args::{Arguments, Command};
+use commands::Exit;
+
+/// Reads the command line of this process and does what it says.
+pub fn main() -> ExitCode {
+    let exit = match Arguments::parse().command {
+        Command::Run(arguments) => commands::run::run(&arguments),
+        Command::Explain { scene } => commands::explain::explain(&scene),
+        Command::Check { scenes } => commands::check::check(&scenes),
+        Command::Laws { name, example } => commands::laws::laws(name.as_deref(), example),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "granule", &mut script);
+            terminal::out(&String::from_utf8_lossy(&script));
+            Exit::Success
+        }
+    };
+    exit.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+}
