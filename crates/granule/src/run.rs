@@ -80,6 +80,8 @@ pub struct RunSummary {
     pub time: f64,
     /// Wall-clock time of the steps and outputs.
     pub wall: Duration,
+    /// The part of `wall` that outputs took.
+    pub output_wall: Duration,
     /// Bodies times steps over `wall` \[1/s\].
     pub particle_steps_per_second: f64,
     /// How well the energy ledger closes, if it exists.
@@ -245,6 +247,7 @@ impl Run {
             steps: self.driver.step(),
             time: self.driver.time(),
             wall,
+            output_wall: self.output_time,
             particle_steps_per_second: self.rate(wall),
             energy_drift,
             result_hash,

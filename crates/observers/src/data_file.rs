@@ -9,7 +9,7 @@ use granule_formats::lammps_data::{self, Atom};
 use crate::{ObserveError, Observer, Snapshot};
 
 /// Keeps a LAMMPS data file (`atom_style sphere`) of the latest entry: each one replaces the one before in a single
-/// stroke, so that an interrupted run leaves the last state that was due.
+/// stroke. [`Observers::from_plan`](crate::Observers::from_plan) lets it look at the start and at the end of a run.
 ///
 /// The file holds diameter and density. The density is that of a sphere with the body's mass, whatever its inertia factor.
 pub struct DataFile {

@@ -41,7 +41,9 @@ impl Observers {
                 check(&path, &taken)?;
                 taken.push(path);
             }
-            observers.push(output.every, sink(plan, output, directory, provenance)?);
+            // Of the last state only the last one counts. The entry at the start shows early that the file can be written.
+            let every = if output.kind == OutputKind::LammpsData { u64::MAX } else { output.every };
+            observers.push(every, sink(plan, output, directory, provenance)?);
         }
         Ok(observers)
     }
