@@ -1,6 +1,6 @@
 //! Whether the bodies can be where they are.
 
-use granule_geometry::Cell;
+use granule_geometry::{Cell, Surface};
 use granule_scene::BodyBlock;
 use nalgebra::Vector3;
 
@@ -73,7 +73,13 @@ fn behind(builder: &mut Builder<'_>, drafts: &[Draft], walls: &[WallPlan]) {
         for draft in drafts.iter().filter(|draft| !draft.frozen) {
             let distance = surface.contact(Vector3::from(draft.position)).distance;
             let overlap = draft.radius - distance;
-            if distance < 0.0 {
+            if let Surface::Cylinder(cylinder) = &surface
+                && cylinder.inside()
+                && draft.radius >= cylinder.radius()
+            {
+                let message = format!("body {} does not fit into cylinder `{}`", draft.id, wall.name);
+                report.add(builder, draft, message, "its radius is at least that of the cylinder");
+            } else if distance < 0.0 {
                 let message = format!("body {} is {} m behind wall `{}`", draft.id, -distance, wall.name);
                 report.add(builder, draft, message, "the normal of a wall points to the bodies");
             } else if overlap > ALLOWANCE * draft.radius && !builder.scene.allow_overlap {

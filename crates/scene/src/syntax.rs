@@ -49,7 +49,13 @@ impl<'a> Node<'a> {
     }
 
     fn of(raw: &'a RawValue, text: &'a str, start: usize) -> Self {
-        let trimmed = raw.trim().get_ron();
+        let fragment = raw.get_ron();
+        // Reading it once more to find its end is needed only if a comment may follow.
+        let trimmed = if fragment.contains("//") || fragment.contains("/*") {
+            raw.trim().get_ron()
+        } else {
+            fragment.trim_matches(is_blank)
+        };
         let offset = (trimmed.as_ptr() as usize).wrapping_sub(text.as_ptr() as usize);
         Self { text: trimmed, start: start + offset }
     }
@@ -161,11 +167,16 @@ impl<'a> Node<'a> {
     }
 }
 
+/// White space, with the two marks of writing direction that RON counts to it.
+fn is_blank(c: char) -> bool {
+    c.is_whitespace() || matches!(c, '\u{200e}' | '\u{200f}')
+}
+
 /// The offset behind blanks and comments.
 fn skip_blank(text: &str, mut at: usize) -> usize {
     loop {
         let rest = &text[at..];
-        let blank = rest.len() - rest.trim_start().len();
+        let blank = rest.len() - rest.trim_start_matches(is_blank).len();
         at += blank;
         let rest = &rest[blank..];
         if rest.starts_with("//") {
@@ -316,6 +327,16 @@ mod tests {
         assert!(matches!(map[1].1.variant(), Some(("Static", _, None))));
         assert!(whole("(1, 2)").fields().is_none());
         assert!(whole("(a: 2)").items().is_none());
+    }
+
+    #[test]
+    fn comments_and_blanks_are_not_part_of_a_value() {
+        let text = "(a: /* x */ 1 /* y */ , // z\n b: \u{200e}\"//\" // w\n )";
+        let fields = whole(text).fields().unwrap();
+        assert_eq!(&text[fields[0].value.span()], "1");
+        assert_eq!(&text[fields[1].span.clone()], "b");
+        assert_eq!(fields[1].value.string().unwrap(), "//");
+        assert_eq!(&text[fields[1].value.span()], "\"//\"");
     }
 
     #[test]

@@ -61,8 +61,11 @@ pub fn bodies(
     let mut jitter = Random::new(builder.scene.seed, index, Purpose::Places);
     let mut thermal = Random::new(builder.scene.seed, index, Purpose::Velocities);
     let amount = |quantity: &Option<granule_scene::Spanned<f64>>| quantity.as_ref().map_or(0.0, |q| q.value);
-    places
-        .all()
+    let points = places.all();
+    if points.is_empty() {
+        builder.error(block.span.clone(), "no point of the lattice lies in this region");
+    }
+    points
         .into_iter()
         .map(|mut position| {
             jitter.spread(&mut position, amount(&block.jitter), axes);

@@ -1,9 +1,15 @@
 //! Who can meet whom, and what masses, radii and shapes then occur.
 
+use granule_geometry::Surface;
 use granule_law_api::Span;
+use nalgebra::Vector3;
 
 use super::Setting;
+use crate::bodies::Draft;
 use crate::model::Partner;
+
+/// Up to this many pairs, each one is looked at: few bodies have exact spans.
+const FEW_PAIRS: usize = 4096;
 
 /// Two sides that can meet.
 pub(super) struct Meeting {
@@ -17,129 +23,108 @@ pub(super) struct Meeting {
     pub inertia_factor: Span,
 }
 
-/// What the bodies of one material span.
-#[derive(Clone, Copy)]
-struct Extent {
-    count: usize,
-    movable: usize,
-    /// Inverse mass, zero where frozen.
-    inverse_mass: Span,
-    radius: Span,
-    inertia_factor: Span,
-}
-
-fn extents(setting: &Setting<'_>) -> Vec<Option<Extent>> {
-    let mut extents: Vec<Option<Extent>> = vec![None; setting.materials.len()];
-    for body in setting.bodies {
-        let inverse = if body.frozen { 0.0 } else { 1.0 / body.mass };
-        let Some(slot) = extents.get_mut(usize::from(body.material)) else { continue };
-        let extent = slot.get_or_insert(Extent {
-            count: 0,
-            movable: 0,
-            inverse_mass: Span::of(inverse),
-            radius: Span::of(body.radius),
-            inertia_factor: Span::of(body.inertia_factor),
-        });
-        extent.count += 1;
-        extent.movable += usize::from(!body.frozen);
-        extent.inverse_mass = widen(extent.inverse_mass, inverse);
-        extent.radius = widen(extent.radius, body.radius);
-        extent.inertia_factor = widen(extent.inertia_factor, body.inertia_factor);
-    }
-    extents
-}
-
-fn widen(span: Span, value: f64) -> Span {
-    Span { min: span.min.min(value), max: span.max.max(value) }
-}
-
+/// All meetings: bodies with bodies by material, then bodies with walls.
 pub(super) fn meetings(setting: &Setting<'_>) -> Vec<Meeting> {
-    let extents = extents(setting);
-    let mut meetings = Vec::new();
-    let name = |index: usize| setting.materials[index].name.as_str();
-    for (a, one) in extents.iter().enumerate() {
-        let Some(one) = one else { continue };
-        for (b, other) in extents.iter().enumerate().skip(a) {
-            let Some(other) = other else { continue };
-            let enough = if a == b { one.count >= 2 } else { true };
-            if !enough || one.movable + other.movable == 0 {
-                continue;
-            }
-            // Two frozen bodies never interact, so at least one inverse mass is not zero.
-            let lightest = one.inverse_mass.max + other.inverse_mass.max;
-            let least = smallest_sum(one, other);
-            meetings.push(Meeting {
-                material: a as u16,
-                other: b as u16,
-                partner: Partner::Body(b as u16),
-                example: format!("bodies of `{}` and bodies of `{}`", name(a), name(b)),
-                reduced_mass: Span { min: 1.0 / lightest, max: 1.0 / least },
-                reduced_radius: Span {
-                    min: reduced(one.radius.min, other.radius.min),
-                    max: reduced(one.radius.max, other.radius.max),
-                },
-                inertia_factor: widen(
-                    widen(one.inertia_factor, other.inertia_factor.min),
-                    other.inertia_factor.max,
-                ),
-            });
+    let mut groups: Vec<Vec<&Draft>> = vec![Vec::new(); setting.materials.len()];
+    for body in setting.bodies {
+        if let Some(group) = groups.get_mut(usize::from(body.material)) {
+            group.push(body);
         }
-        if one.movable == 0 {
+    }
+    let mut meetings = Vec::new();
+    for (a, one) in groups.iter().enumerate() {
+        for (b, other) in groups.iter().enumerate().skip(a) {
+            meetings.extend(bodies_meet(setting, a, b, one, other));
+        }
+        let movable: Vec<&Draft> = one.iter().copied().filter(|body| !body.frozen).collect();
+        if movable.is_empty() {
             continue;
         }
-        let mut mass: Option<Span> = None;
-        let mut radius: Option<Span> = None;
-        let mut inertia: Option<Span> = None;
-        for body in setting.bodies.iter().filter(|body| usize::from(body.material) == a && !body.frozen) {
-            mass = Some(mass.map_or(Span::of(body.mass), |span| widen(span, body.mass)));
-            radius = Some(radius.map_or(Span::of(body.radius), |span| widen(span, body.radius)));
-            inertia =
-                Some(inertia.map_or(Span::of(body.inertia_factor), |span| widen(span, body.inertia_factor)));
-        }
-        let (Some(mass), Some(radius), Some(inertia)) = (mass, radius, inertia) else { continue };
-        for (index, wall) in setting.walls.iter().enumerate() {
-            let surface = wall.wall.surface_at(0.0);
-            let curvature = surface.contact(nalgebra::Vector3::zeros()).curvature_radius;
-            let at_wall = |radius: f64| 1.0 / (1.0 / radius + 1.0 / curvature);
-            meetings.push(Meeting {
-                material: a as u16,
-                other: wall.material,
-                partner: Partner::Wall(index as u16),
-                example: format!("bodies of `{}` and wall `{}`", name(a), wall.name),
-                reduced_mass: mass,
-                reduced_radius: Span { min: at_wall(radius.min), max: at_wall(radius.max) },
-                inertia_factor: inertia,
-            });
+        for wall in 0..setting.walls.len() {
+            meetings.push(wall_meets(setting, a, wall, &movable));
         }
     }
     meetings
 }
 
-/// Smallest sum of inverse masses of a pair that interacts.
-fn smallest_sum(one: &Extent, other: &Extent) -> f64 {
-    let sum = one.inverse_mass.min + other.inverse_mass.min;
-    if sum > 0.0 {
-        return sum;
-    }
-    // The heaviest of both are frozen: the heaviest movable body against a frozen one.
-    let movable = |extent: &Extent| extent.heaviest_movable();
-    movable(one).min(movable(other))
+fn span(values: impl Iterator<Item = f64>) -> Option<Span> {
+    values.fold(None, |span: Option<Span>, value| {
+        Some(span.map_or(Span::of(value), |span| Span { min: span.min.min(value), max: span.max.max(value) }))
+    })
 }
 
-impl Extent {
-    /// Inverse mass of the heaviest movable body, infinite if none moves. A lower bound is enough: the span of reduced
-    /// masses is what laws may have to cope with.
-    fn heaviest_movable(&self) -> f64 {
-        if self.movable == 0 {
-            f64::INFINITY
-        } else if self.inverse_mass.min > 0.0 {
-            self.inverse_mass.min
-        } else {
-            self.inverse_mass.max
-        }
-    }
+/// Zero for a frozen body, which counts as infinitely heavy.
+fn inverse_mass(body: &Draft) -> f64 {
+    if body.frozen { 0.0 } else { 1.0 / body.mass }
 }
 
 fn reduced(a: f64, b: f64) -> f64 {
     a * b / (a + b)
+}
+
+fn bodies_meet(
+    setting: &Setting<'_>,
+    a: usize,
+    b: usize,
+    one: &[&Draft],
+    other: &[&Draft],
+) -> Option<Meeting> {
+    let (inverse, reduced_radius) = if one.len() * other.len() <= FEW_PAIRS {
+        let pairs = || {
+            let skip = |i: usize| if a == b { i + 1 } else { 0 };
+            one.iter()
+                .enumerate()
+                .flat_map(move |(i, first)| other.iter().skip(skip(i)).map(move |second| (*first, *second)))
+                .filter(|(first, second)| !(first.frozen && second.frozen))
+        };
+        let inverse = span(pairs().map(|(first, second)| inverse_mass(first) + inverse_mass(second)))?;
+        (inverse, span(pairs().map(|(first, second)| reduced(first.radius, second.radius)))?)
+    } else {
+        many(one, other)?
+    };
+    let name = |index: usize| setting.materials[index].name.as_str();
+    Some(Meeting {
+        material: a as u16,
+        other: b as u16,
+        partner: Partner::Body(b as u16),
+        example: format!("bodies of `{}` and bodies of `{}`", name(a), name(b)),
+        reduced_mass: Span { min: 1.0 / inverse.max, max: 1.0 / inverse.min },
+        reduced_radius,
+        inertia_factor: span(one.iter().chain(other).map(|body| body.inertia_factor))?,
+    })
+}
+
+/// Bounds of the sum of inverse masses and of the reduced radius, without looking at each pair.
+fn many(one: &[&Draft], other: &[&Draft]) -> Option<(Span, Span)> {
+    let movable =
+        |group: &[&Draft]| span(group.iter().filter(|body| !body.frozen).map(|body| 1.0 / body.mass));
+    let frozen = |group: &[&Draft]| group.iter().any(|body| body.frozen);
+    let (first, second) = (movable(one), movable(other));
+    let both = first.zip(second).map(|(a, b)| Span { min: a.min + b.min, max: a.max + b.max });
+    let kinds = [both, first.filter(|_| frozen(other)), second.filter(|_| frozen(one))];
+    let inverse = span(kinds.into_iter().flatten().flat_map(|span| [span.min, span.max]))?;
+    let (a, b) = (span(one.iter().map(|body| body.radius))?, span(other.iter().map(|body| body.radius))?);
+    Some((inverse, Span { min: reduced(a.min, b.min), max: reduced(a.max, b.max) }))
+}
+
+fn wall_meets(setting: &Setting<'_>, material: usize, index: usize, movable: &[&Draft]) -> Meeting {
+    let wall = &setting.walls[index];
+    // The same everywhere on a plane or a cylinder.
+    let curvature = match wall.wall.surface() {
+        Surface::Plane(_) => f64::INFINITY,
+        surface @ Surface::Cylinder(_) => surface.contact(Vector3::zeros()).curvature_radius,
+    };
+    let of = |value: fn(&Draft) -> f64| span(movable.iter().map(|body| value(body)));
+    let none = Span::of(0.0);
+    let radius = of(|body| body.radius).unwrap_or(none);
+    let at_wall = |radius: f64| 1.0 / (1.0 / radius + 1.0 / curvature);
+    Meeting {
+        material: material as u16,
+        other: wall.material,
+        partner: Partner::Wall(index as u16),
+        example: format!("bodies of `{}` and wall `{}`", setting.materials[material].name, wall.name),
+        reduced_mass: of(|body| body.mass).unwrap_or(none),
+        reduced_radius: Span { min: at_wall(radius.min), max: at_wall(radius.max) },
+        inertia_factor: of(|body| body.inertia_factor).unwrap_or(none),
+    }
 }
