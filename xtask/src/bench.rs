@@ -5,11 +5,11 @@ use std::process::Command;
 
 use crate::command::{Error, cargo, run};
 
-/// Builds the validation program in release and runs its benchmarks; `words` choose among them. Results are in
-/// `target/bench`.
+/// Builds the validation program in release and runs its benchmarks; `words` are options of that program. Results are
+/// in `target/bench`.
 ///
 /// # Errors
-/// A benchmark is unknown or fails; the exit code is that of the program.
+/// An option is unknown, or a benchmark fails; the exit code is that of the program.
 pub fn bench(root: &Path, words: &[String]) -> Result<(), Error> {
     let mut command = Command::new(cargo());
     command.args([

@@ -8,16 +8,16 @@ use xtask::{bench, ci, files, new_law, pages, test, tidy, validate};
 const USAGE: &str = "\
 cargo xtask <task>
 
-  validate [--install] [--live] [--record] [--case NAME]...
+  validate [--install] [--live] [--record] [--case NAME]
                compare scenes with LAMMPS and LIGGGHTS; report in target/validate
                  --install  install both engines first (apt-get, as root)
                  --live     fail unless both engines are installed
                  --record   rewrite the recorded references from live runs
-                 --case     only this case; may be repeated
+                 --case     only this case
   test [--all] [NAME]...
                run the tests; --all adds the slow ones; NAME: only tests whose name contains it
-  bench [NAME]...
-               measure speed; results in target/bench
+  bench [--pairs N] [--steps N]
+               measure speed, ours and the engines'; results in target/bench
   new-law SLOT/NAME [--external DIR]
                write a new law crate: in laws/, or with --external a crate and a program of its own in DIR
   pages        rewrite the generated pages of docs/
