@@ -1,11 +1,16 @@
-//! Comparison of scenes with LAMMPS and LIGGGHTS
+//! Comparison of scenes with LAMMPS and LIGGGHTS.
 //!
-//! [`cases`] is the table of set-ups, each in the words of every engine that has its law; [`peers`] runs the engines, keeps
-//! recorded references for machines without them, compares frame by frame and tells differences apart by cause;
-//! [`reference()`] hands out the engine's answer, live where possible.
+//! [`cases`] are folders with a scene each; [`translate`] writes a peer's description from the plan of a scene; [`peers`] runs
+//! the engines, keeps recorded answers for machines without them, and compares frame by frame; [`validate`] judges all cases
+//! and writes the report; [`bench`] compares speed.
 
+pub mod bench;
 pub mod cases;
+pub mod causes;
+pub mod figures;
+pub mod ours;
 pub mod peers;
-mod references;
-
-pub use references::{Reference, bless, reference, reference_path};
+pub mod pile;
+pub mod translate;
+pub mod two_bodies;
+pub mod validate;

@@ -174,6 +174,22 @@ pub fn compare(
     Ok(Comparison { rows })
 }
 
+/// How far one body of the second run is from where it is in the first, at one step and in one quantity; zero if a run does
+/// not have it.
+pub fn displacement(scene: &PeerScene, from: &[Frame], to: &[Frame], place: &Difference) -> [f64; 3] {
+    let value = |frames: &[Frame]| {
+        let frame = frames.iter().find(|frame| frame.step == place.step)?;
+        let rank = frame.ids.iter().position(|id| *id == place.body)?;
+        frame.column(place.quantity).get(rank).copied()
+    };
+    let (Some(from), Some(to)) = (value(from), value(to)) else { return [0.0; 3] };
+    let mut difference = sub(to, from);
+    if place.quantity == Quantity::Position {
+        across(scene, &mut difference);
+    }
+    difference
+}
+
 /// Shortest image of a difference of positions.
 fn across(scene: &PeerScene, difference: &mut [f64; 3]) {
     for k in 0..3 {
@@ -188,14 +204,14 @@ fn across(scene: &PeerScene, difference: &mut [f64; 3]) {
 mod tests {
     use super::*;
     use crate::cases;
+    use crate::translate::Target;
 
     fn frame(step: u64, x: f64) -> Frame {
         Frame { step, ids: vec![1], position: vec![[x, 0.0, 0.0]], ..Frame::default() }
     }
 
     fn scene() -> PeerScene {
-        let case = cases::all().into_iter().find(|case| case.slug == "periodic-pair").unwrap();
-        case.scenes().remove(0).1
+        cases::find("periodic-pair").unwrap().peer(Target::LammpsClassic).unwrap()
     }
 
     const SCALES: Scales =

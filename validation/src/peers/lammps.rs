@@ -49,14 +49,14 @@ fn pair(scene: &PeerScene) -> Result<String, PeerError> {
                     match scene.law(i, j) {
                         Some(PeerLaw::Granular(law)) => {
                             stand_in.get_or_insert(*law);
-                            put(&mut text, format_args!("pair_coeff {i} {j} {}\n", granular(law)?));
+                            put(&mut text, format_args!("pair_coeff {i} {j} {}\n", granular(law)));
                         }
                         Some(_) => return unsupported("`pair granular` does not mix with `pair gran/*`"),
                         None => {
                             let law = stand_in
                                 .or_else(|| scene.laws.values().find_map(as_granular))
                                 .ok_or_else(|| PeerError::Scene("it has no laws".into()))?;
-                            put(&mut text, format_args!("pair_coeff {i} {j} {}\n", granular(&law)?));
+                            put(&mut text, format_args!("pair_coeff {i} {j} {}\n", granular(&law)));
                         }
                     }
                 }
@@ -103,7 +103,7 @@ fn walls(scene: &PeerScene) -> Result<String, PeerError> {
             };
             let model = match law {
                 PeerLaw::Classic(law) => classic(&law),
-                PeerLaw::Granular(law) => format!("granular {}", granular(&law)?),
+                PeerLaw::Granular(law) => format!("granular {}", granular(&law)),
                 PeerLaw::Liggghts(_) => {
                     return Err(PeerError::Scene("a law of LIGGGHTS at a LAMMPS wall".into()));
                 }
@@ -146,7 +146,7 @@ fn classic(law: &ClassicLaw) -> String {
 }
 
 /// Model words, as `pair_coeff` and `fix wall/gran granular` share them.
-fn granular(law: &GranularLaw) -> Result<String, PeerError> {
+fn granular(law: &GranularLaw) -> String {
     let (damping, coefficient) = match law.damping {
         GranularDamping::Velocity(value) => ("velocity", value),
         GranularDamping::MassVelocity(value) => ("mass_velocity", value),
@@ -156,25 +156,13 @@ fn granular(law: &GranularLaw) -> Result<String, PeerError> {
     let normal = match law.normal {
         GranularNormal::Hooke(k) => format!("hooke {k:?} {coefficient:?}"),
         GranularNormal::Hertz(k) => format!("hertz {k:?} {coefficient:?}"),
-        GranularNormal::HertzMaterial(material) => {
-            format!(
-                "hertz/material {:?} {coefficient:?} {:?}",
-                material.youngs_modulus, material.poisson_ratio
-            )
-        }
     };
     let (multiple, friction) = (law.tangential_damping, law.friction);
     let tangential = match law.tangential {
         GranularTangential::LinearNoHistory => format!("linear_nohistory {multiple:?} {friction:?}"),
         GranularTangential::LinearHistory(k) => format!("linear_history {k:?} {multiple:?} {friction:?}"),
-        GranularTangential::Mindlin(Some(k)) => format!("mindlin {k:?} {multiple:?} {friction:?}"),
-        GranularTangential::Mindlin(None) => {
-            if !matches!(law.normal, GranularNormal::HertzMaterial(_)) {
-                return unsupported("`mindlin NULL` needs `hertz/material`");
-            }
-            format!("mindlin NULL {multiple:?} {friction:?}")
-        }
+        GranularTangential::Mindlin(k) => format!("mindlin {k:?} {multiple:?} {friction:?}"),
     };
     let limit = if law.limit_damping { " limit_damping" } else { "" };
-    Ok(format!("{normal} tangential {tangential} damping {damping}{limit}"))
+    format!("{normal} tangential {tangential} damping {damping}{limit}")
 }

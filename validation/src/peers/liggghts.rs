@@ -34,7 +34,7 @@ pub fn script(scene: &PeerScene) -> Result<String, PeerError> {
             scene.skin
         ),
     );
-    properties(&mut text, scene.kinds(), &laws, &materials)?;
+    properties(&mut text, scene.kinds(), &laws, &materials);
     let (model, switches) = style;
     put(&mut text, format_args!("pair_style gran {model}{switches}\npair_coeff * *\n"));
     for (index, wall) in scene.walls.iter().enumerate() {
@@ -83,7 +83,7 @@ fn matrix(scene: &PeerScene) -> Result<Vec<LiggghtsLaw>, PeerError> {
 fn style(law: &LiggghtsLaw) -> (String, String) {
     let normal = match law.normal {
         LiggghtsNormal::HookeStiffness { .. } => "hooke/stiffness",
-        LiggghtsNormal::Hooke { .. } => "hooke",
+        LiggghtsNormal::HertzStiffness { .. } => "hertz/stiffness",
         LiggghtsNormal::Hertz { .. } => "hertz",
     };
     let tangential = match law.tangential {
@@ -103,21 +103,14 @@ fn style(law: &LiggghtsLaw) -> (String, String) {
 
 /// One material per type, or none if no law needs them.
 fn materials(scene: &PeerScene, laws: &[LiggghtsLaw]) -> Result<Vec<PeerMaterial>, PeerError> {
-    if matches!(laws[0].normal, LiggghtsNormal::HookeStiffness { .. }) {
+    if !matches!(laws[0].normal, LiggghtsNormal::Hertz { .. }) {
         return Ok(Vec::new());
     }
     let complete: Option<Vec<PeerMaterial>> = scene.materials.iter().copied().collect();
-    complete.ok_or_else(|| {
-        PeerError::Scene("`hertz` and `hooke` of LIGGGHTS need a material for every type".into())
-    })
+    complete.ok_or_else(|| PeerError::Scene("`hertz` of LIGGGHTS needs a material for every type".into()))
 }
 
-fn properties(
-    text: &mut String,
-    kinds: usize,
-    laws: &[LiggghtsLaw],
-    materials: &[PeerMaterial],
-) -> Result<(), PeerError> {
+fn properties(text: &mut String, kinds: usize, laws: &[LiggghtsLaw], materials: &[PeerMaterial]) {
     let mut per_pair = |name: &str, value: &dyn Fn(&LiggghtsLaw) -> f64| {
         put(text, format_args!("fix {name} all property/global {name} peratomtypepair {kinds}"));
         for law in laws {
@@ -126,20 +119,23 @@ fn properties(
         text.push('\n');
     };
     per_pair("coefficientFriction", &|law| law.friction);
-    if let LiggghtsNormal::HookeStiffness { .. } = laws[0].normal {
-        let entry = |law: &LiggghtsLaw, index: usize| match law.normal {
-            LiggghtsNormal::HookeStiffness { kn, kt, gamma_n, gamma_t } => [kn, kt, gamma_n, gamma_t][index],
-            LiggghtsNormal::Hooke { .. } | LiggghtsNormal::Hertz { .. } => f64::NAN,
-        };
+    let restitution = |law: &LiggghtsLaw| match law.normal {
+        LiggghtsNormal::Hertz { restitution } => restitution,
+        _ => f64::NAN,
+    };
+    let stiffness = |law: &LiggghtsLaw| match law.normal {
+        LiggghtsNormal::HookeStiffness { kn, kt, gamma_n, gamma_t }
+        | LiggghtsNormal::HertzStiffness { kn, kt, gamma_n, gamma_t } => [kn, kt, gamma_n, gamma_t],
+        LiggghtsNormal::Hertz { .. } => [f64::NAN; 4],
+    };
+    // The script writer has made sure that all laws are of one model.
+    if !matches!(laws[0].normal, LiggghtsNormal::Hertz { .. }) {
         for (index, name) in ["kn", "kt", "gamman", "gammat"].iter().enumerate() {
-            per_pair(name, &|law| entry(law, index));
+            per_pair(name, &|law| stiffness(law)[index]);
         }
-        return Ok(());
+        return;
     }
-    per_pair("coefficientRestitution", &|law| match law.normal {
-        LiggghtsNormal::Hooke { restitution, .. } | LiggghtsNormal::Hertz { restitution } => restitution,
-        LiggghtsNormal::HookeStiffness { .. } => f64::NAN,
-    });
+    per_pair("coefficientRestitution", &restitution);
     for (name, value) in [
         ("youngsModulus", (|material| material.youngs_modulus) as fn(&PeerMaterial) -> f64),
         ("poissonsRatio", |material| material.poisson_ratio),
@@ -150,17 +146,4 @@ fn properties(
         }
         text.push('\n');
     }
-    if let LiggghtsNormal::Hooke { velocity, .. } = laws[0].normal {
-        let same = |law: &LiggghtsLaw| matches!(law.normal, LiggghtsNormal::Hooke { velocity: v, .. } if v == velocity);
-        if !laws.iter().all(same) {
-            return unsupported("one characteristic velocity serves all pairs of types");
-        }
-        put(
-            text,
-            format_args!(
-                "fix characteristicVelocity all property/global characteristicVelocity scalar {velocity:?}\n"
-            ),
-        );
-    }
-    Ok(())
 }

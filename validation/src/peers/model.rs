@@ -63,7 +63,7 @@ impl PeerBody {
     }
 }
 
-/// Elastic properties of a type; LIGGGHTS wants them per type for `hertz` and `hooke`.
+/// Elastic properties of a type; LIGGGHTS wants them per type for `hertz`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeerMaterial {
     /// Young's modulus (Pa).
@@ -158,8 +158,6 @@ pub enum GranularNormal {
     Hooke(f64),
     /// `hertz`, stiffness (Pa).
     Hertz(f64),
-    /// `hertz/material`.
-    HertzMaterial(PeerMaterial),
 }
 
 /// Normal damping of LAMMPS `pair granular`, with its coefficient.
@@ -182,8 +180,8 @@ pub enum GranularTangential {
     LinearNoHistory,
     /// `linear_history`, stiffness (N/m).
     LinearHistory(f64),
-    /// `mindlin`, stiffness (Pa); `None` is `NULL`: from the material (only with `hertz/material`).
-    Mindlin(Option<f64>),
+    /// `mindlin`, stiffness (Pa).
+    Mindlin(f64),
 }
 
 /// Arguments of LAMMPS `pair granular` for one pair of types.
@@ -217,12 +215,16 @@ pub enum LiggghtsNormal {
         /// Tangential damping (1/s).
         gamma_t: f64,
     },
-    /// `hooke`: stiffness from the materials and a characteristic velocity.
-    Hooke {
-        /// Coefficient of restitution.
-        restitution: f64,
-        /// Characteristic velocity (m/s), one for the whole run.
-        velocity: f64,
+    /// `hertz/stiffness`: (Pa) and (1/(s m)), all times the contact radius.
+    HertzStiffness {
+        /// Normal stiffness (Pa).
+        kn: f64,
+        /// Tangential stiffness (Pa).
+        kt: f64,
+        /// Normal damping (1/(s m)).
+        gamma_n: f64,
+        /// Tangential damping (1/(s m)).
+        gamma_t: f64,
     },
     /// `hertz`: from the materials.
     Hertz {
@@ -413,8 +415,10 @@ impl PeerScene {
         let kinds = self.body_kinds();
         for (position, i) in kinds.iter().enumerate() {
             let partners = kinds[position..].iter().copied().chain(self.walls.iter().map(|wall| wall.kind));
-            for j in partners {
-                if self.law(*i, j).is_none() {
+            for (rank, j) in partners.enumerate() {
+                // The first partner is the type itself; a single body of it never meets another one.
+                let alone = rank == 0 && self.bodies.iter().filter(|body| body.kind == *i).count() == 1;
+                if !alone && self.law(*i, j).is_none() {
                     return Err(PeerError::Scene(format!("types {i} and {j} can meet but have no law")));
                 }
             }

@@ -16,8 +16,6 @@ pub struct Pairing {
     pub radius: f64,
     /// Reduced mass; the mass at a wall or frozen body (kg).
     pub mass: f64,
-    /// True at a wall.
-    pub wall: bool,
     /// Materials of both types, where given.
     pub materials: [Option<PeerMaterial>; 2],
 }
@@ -67,11 +65,6 @@ fn granular(law: &GranularLaw, pairing: &Pairing) -> Coefficients {
     let kn = match law.normal {
         GranularNormal::Hooke(k) => k,
         GranularNormal::Hertz(k) => k * contact_radius,
-        // `fix wall/gran granular` of this engine divides by 1 - ν instead of 1 - ν² and spells 4/3 with 16 digits.
-        GranularNormal::HertzMaterial(m) if pairing.wall => {
-            m.youngs_modulus / (2.0 * (1.0 - m.poisson_ratio)) * 1.333_333_333_333_333 * contact_radius
-        }
-        GranularNormal::HertzMaterial(m) => 4.0 / 3.0 * effective_youngs(m, m) * contact_radius,
     };
     let (meff, a) = (pairing.mass, contact_radius);
     let gn = match law.damping {
@@ -85,21 +78,10 @@ fn granular(law: &GranularLaw, pairing: &Pairing) -> Coefficients {
             alpha * (meff * kn).sqrt()
         }
     };
-    let (kt, history) = match (law.tangential, law.normal) {
-        (GranularTangential::LinearNoHistory, _) => (0.0, false),
-        (GranularTangential::LinearHistory(k), _) => (k, true),
-        (GranularTangential::Mindlin(Some(k)), _) => (k * a, true),
-        (GranularTangential::Mindlin(None), GranularNormal::HertzMaterial(m)) if pairing.wall => {
-            // At a wall this engine multiplies where its pair style divides.
-            (m.youngs_modulus / 4.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) * a, true)
-        }
-        (GranularTangential::Mindlin(None), GranularNormal::HertzMaterial(m)) => {
-            (8.0 * effective_shear(m, m) * a, true)
-        }
-        // The script writer refuses this composition before any run.
-        (GranularTangential::Mindlin(None), GranularNormal::Hooke(_) | GranularNormal::Hertz(_)) => {
-            (f64::NAN, true)
-        }
+    let (kt, history) = match law.tangential {
+        GranularTangential::LinearNoHistory => (0.0, false),
+        GranularTangential::LinearHistory(k) => (k, true),
+        GranularTangential::Mindlin(k) => (k * a, true),
     };
     Coefficients { kn, gn, kt, gt: law.tangential_damping * gn, friction: law.friction, history }
 }
@@ -108,23 +90,15 @@ fn liggghts(law: &LiggghtsLaw, pairing: &Pairing) -> Result<Coefficients, PeerEr
     let (meff, overlap) = (pairing.mass, pairing.overlap);
     let materials = || match pairing.materials {
         [Some(a), Some(b)] => Ok((a, b)),
-        _ => Err(PeerError::Scene("`hertz` and `hooke` of LIGGGHTS need a material for every type".into())),
+        _ => Err(PeerError::Scene("`hertz` of LIGGGHTS needs a material for every type".into())),
     };
     let (kn, gn, kt, gt) = match law.normal {
         LiggghtsNormal::HookeStiffness { kn, kt, gamma_n, gamma_t } => {
             (kn, meff * gamma_n, kt, meff * gamma_t)
         }
-        LiggghtsNormal::Hooke { restitution, velocity } => {
-            let (a, b) = materials()?;
-            let youngs = effective_youngs(a, b);
-            let root = pairing.radius.sqrt();
-            let kn = 16.0 / 15.0
-                * root
-                * youngs
-                * (15.0 * meff * velocity * velocity / (16.0 * root * youngs)).powf(0.2);
-            let log = restitution.ln();
-            let gn = (4.0 * meff * kn * log * log / (log * log + PI * PI)).sqrt();
-            (kn, gn, kn, gn)
+        LiggghtsNormal::HertzStiffness { kn, kt, gamma_n, gamma_t } => {
+            let a = (pairing.radius * overlap).sqrt();
+            (a * kn, a * meff * gamma_n, a * kt, a * meff * gamma_t)
         }
         LiggghtsNormal::Hertz { restitution } => {
             let (a, b) = materials()?;

@@ -207,7 +207,6 @@ impl<'a> World<'a> {
             overlap,
             radius: a.radius * b.radius / sum,
             mass,
-            wall: false,
             materials: [material(a.kind), material(b.kind)],
         };
         let contact = Contact {
@@ -247,7 +246,6 @@ impl<'a> World<'a> {
             overlap,
             radius: body.radius,
             mass: body.mass,
-            wall: true,
             materials: [material(body.kind), material(wall.kind)],
         };
         let mut normal = ZERO;

@@ -1,61 +1,36 @@
 //! The oracle against the engines, against closed forms, and against itself with conventions turned.
 
 use super::*;
-use crate::cases::{self, Case};
+use crate::cases;
 use crate::peers::vector::{add, cross, norm, scale, sub};
-use crate::peers::{PeerLaw, PeerScene, Record, RunOptions, Vector, inputs};
+use crate::peers::{PeerLaw, PeerScene, Record, Vector, inputs};
+use crate::translate::Target;
 
-/// Every case and law against the engine: every dumped step, body and quantity. Recorded always, live where installed.
+/// Every case and target against the recorded answer of the engine: every compared step, body and quantity.
 ///
 /// Both follow the same equations in the same order of steps, so the difference is round-off: 1e-16 per operation, carried
 /// on by the contact. It is largest where coordinates are large against overlaps (5e-3 m against 1e-5 m at rest on a wall:
 /// 1e-16 · 500 per step in the force) and stays below 1e-13.
 #[test]
 fn follows_the_engines() {
-    let folder = tempfile::tempdir().unwrap();
-    let (mut failures, mut not_live) = (Vec::new(), 0);
-    for case in cases::all() {
-        for (law, scene) in case.scenes() {
+    let mut compared = 0;
+    for case in cases::all().unwrap() {
+        for &target in &case.targets {
+            let scene = case.peer(target).unwrap();
             let ours = march(&scene).unwrap();
-            let mut check = |frames: &[Frame], from: &str| {
-                let scales = Scales::of(&scene, frames);
-                let worst = compare(&scene, frames, &ours, &scales, &Quantity::ALL).unwrap().worst().unwrap();
-                let line = format!(
-                    "{:20} {law:30} {from:8} {:.1e} {} at step {}",
-                    case.slug,
-                    worst.scaled,
-                    worst.quantity.name(),
-                    worst.step
-                );
-                println!("{line}");
-                if worst.scaled > 1e-13 {
-                    failures.push(line);
-                }
-            };
-            let path = crate::reference_path(case.slug, &law);
-            let record = Record::load(&path, &inputs(&scene).unwrap()).unwrap();
-            check(&record.frames, "recorded");
-            let now =
-                crate::reference(case.slug, &law, &scene, folder.path(), &RunOptions::default()).unwrap();
-            if now.live() {
-                check(&now.frames, "live");
-            } else {
-                not_live += 1;
-            }
+            let record = Record::load(&case.record(target), &inputs(&scene).unwrap()).unwrap();
+            let scales = Scales::of(&scene, &record.frames);
+            let comparison = compare(&scene, &record.frames, &ours, &scales, &Quantity::ALL).unwrap();
+            let worst = comparison.worst().unwrap();
+            assert!(worst.scaled <= 1e-13, "{} {}: {worst:?}", case.slug, target.name());
+            compared += 1;
         }
     }
-    if not_live > 0 {
-        println!("NOT LIVE: {not_live} runs were compared with records only, an engine is not installed");
-    }
-    assert!(failures.is_empty(), "{failures:#?}");
+    assert!(compared >= 40, "{compared} comparisons");
 }
 
-fn case(slug: &str) -> Case {
-    cases::all().into_iter().find(|case| case.slug == slug).unwrap()
-}
-
-fn scene(slug: &str, law: &str) -> PeerScene {
-    case(slug).scenes().into_iter().find(|(name, _)| name == law).unwrap().1
+fn scene(slug: &str, target: Target) -> PeerScene {
+    cases::find(slug).unwrap().peer(target).unwrap()
 }
 
 /// Restitution of body 1 against body 2 in a head-on hit.
@@ -68,13 +43,14 @@ fn restitution(frames: &[Frame]) -> f64 {
 /// η = gamma_n / 2 and ω² = kn / m - η² (Luding 1998, Eqs. (32) and (36); erratum L-E7).
 #[test]
 fn both_ends_of_a_damped_linear_contact() {
-    let mass = 0.5 * scene("head-on-lsd-force", "lammps-hooke-history").bodies[0].mass();
+    let mass = 0.5 * scene("head-on-lsd-force", Target::LammpsClassic).bodies[0].mass();
     let (eta, omega0) = (1.5e4, (1000.0 / mass).sqrt());
     let omega = (omega0 * omega0 - eta * eta).sqrt();
     let overlap = (-std::f64::consts::PI * eta / omega).exp();
     let force = (-2.0 * eta / omega * (omega / eta).atan()).exp();
     for (slug, expected) in [("head-on-lsd-overlap", overlap), ("head-on-lsd-force", force)] {
-        for (_, mut scene) in case(slug).scenes() {
+        for target in Target::ALL {
+            let mut scene = scene(slug, target);
             let mut errors = [0.0; 2];
             for error in &mut errors {
                 *error = (restitution(&march(&scene).unwrap()) - expected).abs();
@@ -106,7 +82,7 @@ fn momentum(scene: &PeerScene, frame: &Frame) -> (Vector, Vector) {
 /// not. The bound is round-off of 240 steps; the excess with full radii is the overlap against the radius, 1e-2.
 #[test]
 fn angular_momentum_is_kept_by_shortened_arms_only() {
-    let scene = scene("oblique-spin", "lammps-hooke-history");
+    let scene = scene("two-sphere-oblique", Target::LammpsClassic);
     let drift = |frames: &[Frame]| {
         let (first, last) = (momentum(&scene, &frames[0]), momentum(&scene, &frames[frames.len() - 1]));
         (norm(sub(last.0, first.0)) / norm(first.0), norm(sub(last.1, first.1)) / norm(first.1))
@@ -122,8 +98,8 @@ fn angular_momentum_is_kept_by_shortened_arms_only() {
 /// other engine's run. `hooke/stiffness` of LIGGGHTS and `gran/hooke/history` of LAMMPS have the same coefficients.
 #[test]
 fn conventions_are_the_whole_difference_between_engines() {
-    let lammps = scene("oblique-spin", "lammps-hooke-history");
-    let liggghts = scene("oblique-spin", "liggghts-hooke-stiffness");
+    let lammps = scene("two-sphere-oblique", Target::LammpsClassic);
+    let liggghts = scene("two-sphere-oblique", Target::Liggghts);
     let set = |scene: &PeerScene| ConventionSet::of(scene.laws.values().next().unwrap());
     let reference = march(&liggghts).unwrap();
     let scales = Scales::of(&liggghts, &reference);
@@ -138,7 +114,7 @@ fn conventions_are_the_whole_difference_between_engines() {
 
 #[test]
 fn causes_name_every_convention_that_differs() {
-    let scene = scene("oblique-spin", "lammps-hooke-history");
+    let scene = scene("two-sphere-oblique", Target::LammpsClassic);
     let causes = causes(&scene, &ConventionSet::PHYSICAL).unwrap();
     let names: Vec<&str> = causes.iter().map(|cause| cause.convention).collect();
     assert_eq!(

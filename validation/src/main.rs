@@ -1,0 +1,66 @@
+//! `granule-validation validate` and `granule-validation bench`; usually called by `cargo xtask`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use granule_validation::{bench, validate};
+
+const USAGE: &str = "usage: granule-validation validate [--out DIR] [--case NAME]... [--record]
+       granule-validation bench [--out DIR] [--pairs N] [--steps N]";
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let result = match words.first().map(String::as_str) {
+        Some("validate") => validate_with(&words[1..]),
+        Some("bench") => bench_with(&words[1..]),
+        _ => Err(USAGE.to_string()),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn validate_with(words: &[String]) -> Result<bool, String> {
+    let mut options = validate::Options { out: PathBuf::from("target/validate"), only: Vec::new(), record: false };
+    let mut words = words.iter();
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--out" => options.out = PathBuf::from(value(word, words.next())?),
+            "--case" => options.only.push(value(word, words.next())?),
+            "--record" => options.record = true,
+            other => return Err(format!("`{other}` is not an option\n{USAGE}")),
+        }
+    }
+    validate::validate(&options)
+}
+
+fn bench_with(words: &[String]) -> Result<bool, String> {
+    let mut options = bench::Options::default();
+    let mut words = words.iter();
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--out" => options.out = PathBuf::from(value(word, words.next())?),
+            "--pairs" => options.pairs = number(word, words.next())?,
+            "--steps" => options.steps = number(word, words.next())? as u64,
+            other => return Err(format!("`{other}` is not an option\n{USAGE}")),
+        }
+    }
+    bench::bench(&options).map(|_| true)
+}
+
+fn value(option: &str, word: Option<&String>) -> Result<String, String> {
+    word.cloned().ok_or_else(|| format!("{option} needs a value\n{USAGE}"))
+}
+
+fn number(option: &str, word: Option<&String>) -> Result<usize, String> {
+    let text = value(option, word)?;
+    text.parse()
+        .ok()
+        .filter(|number| *number > 0)
+        .ok_or_else(|| format!("{option} needs a whole number from 1, not `{text}`"))
+}

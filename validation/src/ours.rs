@@ -1,0 +1,105 @@
+//! Our own run of a scene, dumped like a peer's.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use granule_drivers::{Driver, TimeStepDriver};
+use granule_law_api::Registry;
+use granule_laws as _;
+use granule_plan::Plan;
+use granule_scene::{ConventionsBlock, Scene, Spanned};
+
+use crate::peers::Frame;
+
+/// A scene of the validation, read and ready to be planned under different conventions.
+pub struct SceneFile {
+    path: PathBuf,
+    text: String,
+    scene: Scene,
+    registry: Registry,
+}
+
+impl SceneFile {
+    /// Reads a scene.
+    ///
+    /// # Errors
+    /// The problems of the file, as text.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let registry = Registry::collect().map_err(|error| error.to_string())?;
+        let parsed = granule_scene::parse(&text);
+        let problems =
+            parsed.diagnostics.iter().map(|problem| problem.render(&path.display().to_string(), &text));
+        let problems: Vec<String> = problems.collect();
+        let scene = parsed.scene.ok_or_else(|| problems.join("\n"))?;
+        Ok(Self { path: path.to_path_buf(), text, scene, registry })
+    }
+
+    /// Plans the scene as it is written.
+    ///
+    /// # Errors
+    /// The problems of the scene, as text.
+    pub fn plan(&self) -> Result<Arc<Plan>, String> {
+        self.build(&self.scene)
+    }
+
+    /// Plans the scene under the conventions of a preset with changes `(convention, choice)`.
+    ///
+    /// # Errors
+    /// The problems of the scene, as text.
+    pub fn plan_under(&self, preset: &str, changes: &[(&str, &str)]) -> Result<Arc<Plan>, String> {
+        let word = |word: &str| Spanned::new(word.to_string(), 0..0);
+        let mut scene = self.scene.clone();
+        scene.conventions = ConventionsBlock {
+            preset: Some(word(preset)),
+            changes: changes.iter().map(|(name, choice)| (word(name), word(choice))).collect(),
+        };
+        scene.driver.integrator = None;
+        self.build(&scene)
+    }
+
+    fn build(&self, scene: &Scene) -> Result<Arc<Plan>, String> {
+        let base = self.path.parent().unwrap_or(Path::new("."));
+        let (plan, problems) = granule_plan::build(scene, &self.registry, base);
+        plan.map(Arc::new).ok_or_else(|| {
+            let name = self.path.display().to_string();
+            problems.iter().map(|problem| problem.render(&name, &self.text)).collect::<Vec<_>>().join("\n")
+        })
+    }
+}
+
+/// Runs a plan and keeps a frame at step 0 and every `every` steps.
+///
+/// # Errors
+/// The run stops, with the reason.
+pub fn frames(plan: &Arc<Plan>, every: u64, threads: usize) -> Result<Vec<Frame>, String> {
+    let mut driver = TimeStepDriver::new(plan.clone(), Some(threads)).map_err(|error| error.to_string())?;
+    let stop = AtomicBool::new(false);
+    let mut frames = vec![frame(&driver)];
+    let mut step = every;
+    while step <= plan.driver.steps {
+        driver.advance(step, &stop).map_err(|error| error.to_string())?;
+        frames.push(frame(&driver));
+        step += every;
+    }
+    Ok(frames)
+}
+
+fn frame(driver: &TimeStepDriver) -> Frame {
+    let view = driver.view();
+    let rows = view.bodies();
+    // Peers set the force on a frozen body to zero before they dump it; ours is what the others exert on it.
+    let of_mobile = |place: usize, vector: [f64; 3]| if rows.is_frozen(place) { [0.0; 3] } else { vector };
+    let table = &driver.engine().plan().bodies;
+    let places: Vec<usize> = view.order().iter().map(|&place| place as usize).collect();
+    Frame {
+        step: view.step(),
+        ids: places.iter().map(|&place| u64::from(rows.id[place])).collect(),
+        position: (0..places.len()).map(|rank| view.position(rank)).collect(),
+        velocity: places.iter().map(|&place| rows.velocity_of(place)).collect(),
+        angular_velocity: places.iter().map(|&place| rows.spin_of(place)).collect(),
+        force: places.iter().map(|&place| of_mobile(place, rows.force_of(place))).collect(),
+        torque: places.iter().map(|&place| of_mobile(place, rows.torque_of(place))).collect(),
+    }
+}

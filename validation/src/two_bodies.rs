@@ -1,0 +1,229 @@
+//! One case: ours against each peer that has its laws, every compared step of position, velocity, spin, force and torque.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use granule_plan::Plan;
+use granule_report::verdict::{Case as Verdict, Horizon};
+use granule_report::{Block, format_number};
+
+use crate::cases::Case;
+use crate::causes::{Against, explain, table};
+use crate::figures;
+use crate::ours::{SceneFile, frames};
+use crate::peers::compare::{Comparison, Scales};
+use crate::peers::{
+    Engine, Frame, InputFiles, PeerScene, Quantity, Record, RunOptions, find_binary, inputs, run,
+};
+use crate::translate::{Target, translate};
+
+/// Scaled difference up to which a run with `physical` conventions counts as following the peer.
+const FOLLOWS: f64 = 1e-9;
+
+/// What a case shows.
+pub struct Outcome {
+    /// Two verdicts a peer: with its conventions, and with `physical`.
+    pub verdicts: Vec<Verdict>,
+    /// Largest differences with the peer's conventions and with `physical`, in the order of [`Target::ALL`].
+    pub differences: [Option<[f64; 2]>; Target::ALL.len()],
+    /// Peers that cannot be told the scene, and why.
+    pub left_out: Vec<String>,
+}
+
+/// A peer's answer, live or recorded.
+struct Answer {
+    version: String,
+    /// Day of the recording; `None` for a live run.
+    recorded: Option<String>,
+    command: String,
+    files: InputFiles,
+    frames: Vec<Frame>,
+}
+
+/// Runs a case against every target that has its laws.
+///
+/// # Errors
+/// The scene cannot be planned or run, or a peer fails; a stale record is an error, too, and so is a `case.ron` whose targets
+/// are not those that have the laws.
+pub fn check(case: &Case, folder: &Path, record: bool) -> Result<Outcome, String> {
+    let scene = SceneFile::read(&case.scene())?;
+    let plan = scene.plan()?;
+    if case.dump_every == 0 || plan.driver.steps % case.dump_every != 0 {
+        return Err(format!("{}: dump_every must divide the {} steps", case.slug, plan.driver.steps));
+    }
+    let physical = frames(&scene.plan_under("physical", &[])?, case.dump_every, 1)?;
+    let mut outcome = Outcome { verdicts: Vec::new(), differences: Default::default(), left_out: Vec::new() };
+    for (index, target) in Target::ALL.into_iter().enumerate() {
+        let (listed, name) = (case.targets.contains(&target), target.name());
+        let mut peer = match (translate(&plan, target), listed) {
+            (Ok(peer), true) => peer,
+            (Err(why), false) => {
+                outcome.left_out.push(format!("`{}`, {name}: {why}", case.slug));
+                continue;
+            }
+            (Ok(_), false) => return Err(format!("{}: {name} has its laws; list it in case.ron", case.slug)),
+            (Err(why), true) => return Err(format!("{}: {name} cannot do it: {why}", case.slug)),
+        };
+        peer.dump_every = case.dump_every;
+        peer.quantities.clone_from(&case.quantities);
+        let answer = answer(case, target, &peer, &folder.join(name), record)?;
+        let against = Against {
+            scene: &scene,
+            target,
+            peer: &peer,
+            answer: &answer.frames,
+            scales: Scales::of(&peer, &answer.frames),
+        };
+        let (verdicts, differences) = verdicts(case, &plan, &against, &answer, &physical)
+            .map_err(|error| format!("{}, {name}: {error}", case.slug))?;
+        outcome.verdicts.extend(verdicts);
+        outcome.differences[index] = Some(differences);
+    }
+    Ok(outcome)
+}
+
+fn answer(
+    case: &Case,
+    target: Target,
+    peer: &PeerScene,
+    folder: &Path,
+    record: bool,
+) -> Result<Answer, String> {
+    let fail = |error: crate::peers::PeerError| format!("{}, {}: {error}", case.slug, target.name());
+    let files = inputs(peer).map_err(fail)?;
+    let path = case.record(target);
+    if find_binary(files.engine).is_some() {
+        let run = run(peer, folder, &RunOptions::default()).map_err(fail)?;
+        if record {
+            let fresh = Record::of(&run);
+            // An answer that has not changed keeps its date.
+            let same = |old: Record| Record { recorded: fresh.recorded.clone(), ..old } == fresh;
+            if !Record::load(&path, &files).is_ok_and(same) {
+                fresh.save(&path).map_err(fail)?;
+            }
+        }
+        let (version, command, frames) = (run.version, run.command, run.frames);
+        return Ok(Answer { version, recorded: None, command, files, frames });
+    }
+    if record {
+        return Err(fail(crate::peers::PeerError::NotInstalled(files.engine)));
+    }
+    let record = Record::load(&path, &files).map_err(fail)?;
+    let (version, command, frames) = (record.version, record.command, record.frames);
+    Ok(Answer { version, recorded: Some(record.recorded), command, files, frames })
+}
+
+/// Name of an engine in reports.
+pub fn title(engine: Engine) -> &'static str {
+    match engine {
+        Engine::Lammps => "LAMMPS",
+        Engine::Liggghts => "LIGGGHTS",
+    }
+}
+
+fn verdicts(
+    case: &Case,
+    plan: &Arc<Plan>,
+    against: &Against<'_>,
+    answer: &Answer,
+    physical: &[Frame],
+) -> Result<([Verdict; 2], [f64; 2]), String> {
+    let (target, step) = (against.target, plan.driver.step);
+    let names = case.quantities.iter().map(|quantity| quantity.name()).collect::<Vec<_>>().join(", ");
+    let own = against.ours(&[])?;
+    let matching = against.compare(&own)?;
+    let apart = against.compare(physical)?;
+    let worst = [&matching, &apart].map(Comparison::worst);
+    let [Some(matching_worst), Some(apart_worst)] = worst else { return Err("nothing was compared".into()) };
+    let judged = |quantity: String, difference: f64, tolerance: f64| {
+        Verdict::judged(format!("{} ({})", case.slug, target.name()), quantity, difference, tolerance)
+            .with_engine(title(answer.files.engine), &answer.version, answer.recorded.is_none())
+    };
+
+    let mut first =
+        judged(format!("{names}; conventions `{}`", target.preset()), matching_worst.scaled, case.tolerance)
+            .because(&case.reason);
+    first.extras.description = format!(
+        "{}. {} steps, compared every {}. The largest difference is in {} of body {} at step {}.",
+        capital(&case.title),
+        plan.driver.steps,
+        case.dump_every,
+        matching_worst.quantity.name(),
+        matching_worst.body,
+        matching_worst.step
+    );
+    first.extras.horizon = horizon(&matching, case.tolerance, plan, "the end of the run");
+    let body = figures::busiest(&answer.frames);
+    let shown = [Quantity::Velocity, Quantity::AngularVelocity, Quantity::Force];
+    for quantity in shown.into_iter().filter(|quantity| moves(&answer.frames, *quantity, against)) {
+        first.extras.plots.push(figures::trajectory(quantity, body, &own, &answer.frames, target, step)?);
+    }
+    first.extras.plots.push(figures::differences(&matching, case.tolerance, step)?);
+    first.extras.blocks.push(told(answer));
+
+    // What our own engine says that the conventions make.
+    let made = against.between(&own, physical)?.worst().map_or(f64::NAN, |difference| difference.scaled);
+    let explanation = explain(against, &own, physical, &apart_worst)?;
+    let mut second = judged(
+        format!("{names}; conventions `physical`"),
+        apart_worst.scaled,
+        made + case.tolerance,
+    )
+    .because(format!(
+        "the conventions alone make {} (our run with `physical` against our run with `{}`); beyond that the \
+                 tolerance of matching conventions, {:e}",
+        format_number(made, 3),
+        target.preset(),
+        case.tolerance
+    ));
+    second.extras.description = format!(
+        "The same scene with our own conventions. The largest difference is in {} of body {} at step {}. There, each \
+         convention turned after the other from the peer's to ours contributes:",
+        apart_worst.quantity.name(),
+        apart_worst.body,
+        apart_worst.step
+    );
+    second.extras.horizon = horizon(&apart, FOLLOWS, plan, "conventions act from the first contact on");
+    second.extras.plots.push(figures::causes(&apart, &explanation.alone, &matching, step)?);
+    second.extras.blocks.push(table(&explanation, &case.quantities, &apart));
+    if !explanation.idle.is_empty() {
+        let text = format!("Without any effect here: {}.", explanation.idle.join(", "));
+        second.extras.blocks.push(Block::Paragraph(text));
+    }
+    second.extras.causes = explanation.causes;
+    Ok(([first, second], [matching_worst.scaled, apart_worst.scaled]))
+}
+
+/// Whether there is anything to draw: more than round-off of what the scale stands for.
+fn moves(frames: &[Frame], quantity: Quantity, against: &Against<'_>) -> bool {
+    let scale = against.scales.get(quantity);
+    let present = |vector: &[f64; 3]| vector.iter().any(|component| component.abs() > 1e-9 * scale);
+    frames.iter().any(|frame| frame.column(quantity).iter().any(present))
+}
+
+fn horizon(comparison: &Comparison, threshold: f64, plan: &Plan, end: &str) -> Option<Horizon> {
+    let first_beyond = comparison.horizon(threshold);
+    let steps = comparison.rows.iter().filter_map(|row| row.first()).map(|entry| entry.step);
+    let step = steps.filter(|step| first_beyond.is_none_or(|beyond| *step < beyond)).max()?;
+    let explanation = if first_beyond.is_none() { "the end of the run".to_owned() } else { end.to_owned() };
+    Some(Horizon { step, time_s: step as f64 * plan.driver.step, threshold, explanation })
+}
+
+/// The engine's input, so that anybody can run it again.
+fn told(answer: &Answer) -> Block {
+    let from = match &answer.recorded {
+        Some(day) => format!("recorded on {day}"),
+        None => "run now".to_owned(),
+    };
+    Block::Details {
+        summary: format!("What the engine was told (`{}`, {from})", answer.command),
+        status: None,
+        open: false,
+        blocks: vec![Block::code("", &answer.files.script), Block::code("", &answer.files.bodies)],
+    }
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().collect::<String>() + letters.as_str())
+}
