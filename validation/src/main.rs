@@ -26,7 +26,8 @@ fn main() -> ExitCode {
 }
 
 fn validate_with(words: &[String]) -> Result<bool, String> {
-    let mut options = validate::Options { out: PathBuf::from("target/validate"), only: Vec::new(), record: false };
+    let mut options =
+        validate::Options { out: PathBuf::from("target/validate"), only: Vec::new(), record: false };
     let mut words = words.iter();
     while let Some(word) = words.next() {
         match word.as_str() {

@@ -91,7 +91,6 @@ fn frame(driver: &TimeStepDriver) -> Frame {
     let rows = view.bodies();
     // Peers set the force on a frozen body to zero before they dump it; ours is what the others exert on it.
     let of_mobile = |place: usize, vector: [f64; 3]| if rows.is_frozen(place) { [0.0; 3] } else { vector };
-    let table = &driver.engine().plan().bodies;
     let places: Vec<usize> = view.order().iter().map(|&place| place as usize).collect();
     Frame {
         step: view.step(),
