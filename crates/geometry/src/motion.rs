@@ -100,6 +100,14 @@ impl Motion {
         }))
     }
 
+    /// The velocity (m/s) of a wall that keeps it for ever, zero for a fixed one; `None` for any other motion.
+    pub fn steady_velocity(&self) -> Option<Vector3<f64>> {
+        match &self.0 {
+            Kind::ConstantVelocity(velocity) => Some(*velocity),
+            _ => self.is_fixed().then(Vector3::zeros),
+        }
+    }
+
     /// True when nothing ever moves.
     pub fn is_fixed(&self) -> bool {
         match &self.0 {
