@@ -91,13 +91,18 @@ fn frame(driver: &TimeStepDriver) -> Frame {
     let rows = view.bodies();
     // Peers set the force on a frozen body to zero before they dump it; ours is what the others exert on it.
     let of_mobile = |place: usize, vector: [f64; 3]| if rows.is_frozen(place) { [0.0; 3] } else { vector };
+    // Spins that never act are not part of the state; they stay as they are.
+    let plan = driver.engine().plan();
+    let spin = |rank: usize, place: usize| {
+        if plan.rotation { rows.spin_of(place) } else { plan.bodies.spin[rank] }
+    };
     let places: Vec<usize> = view.order().iter().map(|&place| place as usize).collect();
     Frame {
         step: view.step(),
         ids: places.iter().map(|&place| u64::from(rows.id[place])).collect(),
         position: (0..places.len()).map(|rank| view.position(rank)).collect(),
         velocity: places.iter().map(|&place| rows.velocity_of(place)).collect(),
-        angular_velocity: places.iter().map(|&place| rows.spin_of(place)).collect(),
+        angular_velocity: places.iter().enumerate().map(|(rank, &place)| spin(rank, place)).collect(),
         force: places.iter().map(|&place| of_mobile(place, rows.force_of(place))).collect(),
         torque: places.iter().map(|&place| of_mobile(place, rows.torque_of(place))).collect(),
     }

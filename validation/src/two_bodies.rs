@@ -12,9 +12,7 @@ use crate::causes::{Against, explain, table};
 use crate::figures;
 use crate::ours::{SceneFile, frames};
 use crate::peers::compare::{Comparison, Scales};
-use crate::peers::{
-    Engine, Frame, InputFiles, PeerScene, Quantity, Record, RunOptions, find_binary, inputs, run,
-};
+use crate::peers::{Engine, Frame, PeerScene, Quantity, Record, RunOptions, find_binary, inputs, run};
 use crate::translate::{Target, translate};
 
 /// Scaled difference up to which a run with `physical` conventions counts as following the peer.
@@ -36,7 +34,7 @@ struct Answer {
     /// Day of the recording; `None` for a live run.
     recorded: Option<String>,
     command: String,
-    files: InputFiles,
+    engine: Engine,
     frames: Vec<Frame>,
 }
 
@@ -103,14 +101,16 @@ fn answer(
             }
         }
         let (version, command, frames) = (run.version, run.command, run.frames);
-        return Ok(Answer { version, recorded: None, command, files, frames });
+        return Ok(Answer { version, recorded: None, command, engine: files.engine, frames });
     }
     if record {
         return Err(fail(crate::peers::PeerError::NotInstalled(files.engine)));
     }
     let record = Record::load(&path, &files).map_err(fail)?;
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    files.write(folder).map_err(fail)?;
     let (version, command, frames) = (record.version, record.command, record.frames);
-    Ok(Answer { version, recorded: Some(record.recorded), command, files, frames })
+    Ok(Answer { version, recorded: Some(record.recorded), command, engine: files.engine, frames })
 }
 
 /// Name of an engine in reports.
@@ -137,7 +137,7 @@ fn verdicts(
     let [Some(matching_worst), Some(apart_worst)] = worst else { return Err("nothing was compared".into()) };
     let judged = |quantity: String, difference: f64, tolerance: f64| {
         Verdict::judged(format!("{} ({})", case.slug, target.name()), quantity, difference, tolerance)
-            .with_engine(title(answer.files.engine), &answer.version, answer.recorded.is_none())
+            .with_engine(title(answer.engine), &answer.version, answer.recorded.is_none())
     };
 
     let mut first =
@@ -159,7 +159,7 @@ fn verdicts(
         first.extras.plots.push(figures::trajectory(quantity, body, &own, &answer.frames, target, step)?);
     }
     first.extras.plots.push(figures::differences(&matching, case.tolerance, step)?);
-    first.extras.blocks.push(told(answer));
+    first.extras.blocks.push(told(case, target, answer));
 
     // What our own engine says that the conventions make.
     let made = against.between(&own, physical)?.worst().map_or(f64::NAN, |difference| difference.scaled);
@@ -209,18 +209,18 @@ fn horizon(comparison: &Comparison, threshold: f64, plan: &Plan, end: &str) -> O
     Some(Horizon { step, time_s: step as f64 * plan.driver.step, threshold, explanation })
 }
 
-/// The engine's input, so that anybody can run it again.
-fn told(answer: &Answer) -> Block {
-    let from = match &answer.recorded {
+/// Where the engine's inputs lie, so that anybody can run them again.
+fn told(case: &Case, target: Target, answer: &Answer) -> Block {
+    let when = match &answer.recorded {
         Some(day) => format!("recorded on {day}"),
         None => "run now".to_owned(),
     };
-    Block::Details {
-        summary: format!("What the engine was told (`{}`, {from})", answer.command),
-        status: None,
-        open: false,
-        blocks: vec![Block::code("", &answer.files.script), Block::code("", &answer.files.bodies)],
-    }
+    Block::Paragraph(format!(
+        "The engine: `{}` with the inputs in `engines/{}/{}`, {when}.",
+        answer.command,
+        case.slug,
+        target.name()
+    ))
 }
 
 fn capital(text: &str) -> String {
