@@ -2,7 +2,7 @@
 //!
 //! [`cases`] are folders with a scene each; [`translate`] writes a peer's description from the plan of a scene; [`peers`] runs
 //! the engines, keeps recorded answers for machines without them, and compares frame by frame; [`validate`] judges all cases
-//! and writes the report; [`bench`] compares speed.
+//! and writes the report; [`mod@bench`] compares speed.
 
 pub mod bench;
 pub mod cases;
