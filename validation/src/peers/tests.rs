@@ -29,8 +29,7 @@ fn has_lines(script: &str, lines: &[&str]) {
 #[test]
 fn lammps_script() {
     let files = inputs(&scene("wall-corner", Target::LammpsGranular)).unwrap();
-    let law =
-        "granular hooke 1000.0 58.6 tangential linear_history 285.7142857143 0.5 0.5 damping mass_velocity";
+    let law = "granular hooke 1000.0 58.6 tangential linear_history 285.7142857142857 0.5 0.5 damping mass_velocity";
     has_lines(
         &files.script,
         &[
@@ -54,14 +53,14 @@ fn lammps_script() {
 
 #[test]
 fn liggghts_script() {
-    let files = inputs(&scene("wall-bounce-mindlin", Target::Liggghts)).unwrap();
+    let files = inputs(&scene("wall-bounce-hertz-material", Target::Liggghts)).unwrap();
     has_lines(
         &files.script,
         &[
             "atom_style granular",
             "communicate single vel yes",
             "fix coefficientRestitution all property/global coefficientRestitution peratomtypepair 1 0.9",
-            "fix youngsModulus all property/global youngsModulus peratomtype 10000000.0",
+            "fix youngsModulus all property/global youngsModulus peratomtype 9999999.999999998",
             "pair_style gran model hertz tangential history tangential_damping on limitForce off",
         ],
     );
@@ -89,7 +88,7 @@ fn what_an_engine_cannot_do_is_said_before_it_runs() {
     missing.laws.remove(&(1, 2));
     assert!(matches!(inputs(&missing), Err(PeerError::Scene(_))));
     let mut mixed = scene("two-materials", Target::Liggghts);
-    let hertz = scene("head-on-mindlin", Target::Liggghts).laws[&(1, 1)];
+    let hertz = scene("head-on-hertz-material", Target::Liggghts).laws[&(1, 1)];
     mixed.laws.insert((1, 2), hertz);
     assert!(matches!(inputs(&mixed), Err(PeerError::Unsupported(Engine::Liggghts, _))));
     let mut rising = scene("wall-belt", Target::LammpsClassic);
@@ -121,7 +120,7 @@ fn a_lost_body_a_refused_value_and_a_long_run_are_errors_with_the_engines_words(
         assert!(matches!(error, PeerError::Timeout(..)), "{error}");
     }
     if installed(Engine::Liggghts) {
-        let mut refused = scene("head-on-mindlin", Target::Liggghts);
+        let mut refused = scene("head-on-hertz-material", Target::Liggghts);
         for law in refused.laws.values_mut() {
             if let PeerLaw::Liggghts(law) = law {
                 law.normal = LiggghtsNormal::Hertz { restitution: 1.5 };
