@@ -109,3 +109,6 @@ pub fn all() -> Result<Vec<Case>, String> {
 pub fn find(slug: &str) -> Result<Case, String> {
     all()?.into_iter().find(|case| case.slug == slug).ok_or_else(|| format!("there is no case `{slug}`"))
 }
+
+#[cfg(test)]
+mod tests;

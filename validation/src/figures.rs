@@ -38,7 +38,8 @@ pub fn trajectory(
 ) -> Result<Figure, String> {
     let id = theirs.first().and_then(|frame| frame.ids.get(body)).copied().unwrap_or_default();
     let label = format!("{} [{}]", quantity.name(), unit(quantity));
-    let title = format!("{} of body {id}", quantity.name());
+    let word = if matches!(quantity, Quantity::Force | Quantity::Torque) { "on" } else { "of" };
+    let title = format!("{} {word} body {id}", quantity.name());
     let mut plot = Plot::new(title, Axis::linear("time [s]"), Axis::linear(label));
     let column = |frames: &[Frame], component: usize| -> (Vec<f64>, Vec<f64>) {
         let value =
@@ -109,7 +110,7 @@ pub fn causes(
     step: f64,
 ) -> Result<Figure, String> {
     let mut plot = Plot::new(
-        "difference to the peer, `physical` conventions",
+        "difference to the peer, physical conventions",
         Axis::linear("time [s]"),
         Axis::log("largest scaled difference"),
     );

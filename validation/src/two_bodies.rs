@@ -164,18 +164,21 @@ fn verdicts(
     // What our own engine says that the conventions make.
     let made = against.between(&own, physical)?.worst().map_or(f64::NAN, |difference| difference.scaled);
     let explanation = explain(against, &own, physical, &apart_worst)?;
-    let mut second = judged(
-        format!("{names}; conventions `physical`"),
-        apart_worst.scaled,
-        made + case.tolerance,
-    )
-    .because(format!(
-        "the conventions alone make {} (our run with `physical` against our run with `{}`); beyond that the \
-                 tolerance of matching conventions, {:e}",
+    let shares = explanation.causes.iter().map(|cause| {
+        let name = cause.cause.split(':').next().unwrap_or(&cause.cause);
+        format!("{name} {}", format_number(cause.contribution, 2))
+    });
+    let reason = format!(
+        "nothing but the conventions: they alone make {} (our run with `physical` against our run with `{}`), where it is \
+         largest {}; beyond that the tolerance of matching conventions, {:e}",
         format_number(made, 3),
         target.preset(),
+        shares.collect::<Vec<_>>().join(", "),
         case.tolerance
-    ));
+    );
+    let mut second =
+        judged(format!("{names}; conventions `physical`"), apart_worst.scaled, made + case.tolerance)
+            .because(reason);
     second.extras.description = format!(
         "The same scene with our own conventions. The largest difference is in {} of body {} at step {}. There, each \
          convention turned after the other from the peer's to ours contributes:",

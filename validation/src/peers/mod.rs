@@ -2,8 +2,7 @@
 //!
 //! ```text
 //! PeerScene ──> InputFiles ──> run ──> Frames ──> compare
-//!     │                         └──> Record (kept in the repository for machines without the engines)
-//!     └──> oracle (the same equations, one contact at a time, with every convention a switch)
+//!                               └──> Record (kept in the repository for machines without the engines)
 //! ```
 
 pub mod compare;
@@ -14,15 +13,14 @@ mod inputs;
 mod lammps;
 mod liggghts;
 mod model;
-pub mod oracle;
+#[cfg(test)]
+mod oracle;
 mod process;
 mod record;
 mod run;
 #[cfg(test)]
 mod tests;
 mod vector;
-#[cfg(test)]
-use vector::Vector;
 
 pub use error::PeerError;
 pub use frame::{Frame, Quantity};

@@ -60,7 +60,7 @@ fn liggghts_script() {
             "atom_style granular",
             "communicate single vel yes",
             "fix coefficientRestitution all property/global coefficientRestitution peratomtypepair 1 0.9",
-            "fix youngsModulus all property/global youngsModulus peratomtype 9999999.999999998",
+            "fix youngsModulus all property/global youngsModulus peratomtype 10000000.0",
             "pair_style gran model hertz tangential history tangential_damping on limitForce off",
         ],
     );

@@ -1,29 +1,13 @@
-//! The few operations on `[f64; 3]` that the oracle and the comparison need, in plain order of evaluation.
+//! The few operations on `[f64; 3]` that a comparison needs, in plain order of evaluation.
 
-pub type Vector = [f64; 3];
-
-pub const ZERO: Vector = [0.0; 3];
-
-pub fn add(a: Vector, b: Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-pub fn sub(a: Vector, b: Vector) -> Vector {
+pub fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub fn scale(s: f64, a: Vector) -> Vector {
-    [s * a[0], s * a[1], s * a[2]]
-}
-
-pub fn dot(a: Vector, b: Vector) -> f64 {
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub fn norm(a: Vector) -> f64 {
+pub fn norm(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
 }

@@ -7,6 +7,8 @@
 mod contact;
 mod laws;
 mod moduli;
+#[cfg(test)]
+mod tests;
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

@@ -1,8 +1,8 @@
 //! Force and torques of one contact.
 
 use super::coefficients::Coefficients;
+use super::vector::{Vector, ZERO, add, cross, dot, norm, scale, sub};
 use super::{Arm, ContactEnd, ConventionSet, CoulombCap, CoulombTest, HistoryOrder};
-use crate::peers::vector::{Vector, ZERO, add, cross, dot, norm, scale, sub};
 
 /// One side of a contact: a body, or a wall with radius zero and without spin.
 #[derive(Clone, Copy)]

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::coefficients::{Pairing, coefficients};
 use super::contact::{Action, Contact, Partner, act};
+use super::vector::{Vector, ZERO, add, norm, scale, sub};
 use super::{ConventionSet, Velocity};
-use crate::peers::vector::{Vector, ZERO, add, norm, scale, sub};
 use crate::peers::{Axis, Frame, PeerError, PeerLaw, PeerScene, PeerWall, Quantity, Side};
 
 /// A scene run with the engine's own conventions.

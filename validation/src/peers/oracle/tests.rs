@@ -1,16 +1,19 @@
 //! The oracle against the engines, against closed forms, and against itself with conventions turned.
 
+use super::vector::{Vector, add, cross, norm, scale, sub};
 use super::*;
 use crate::cases;
-use crate::peers::vector::{add, cross, norm, scale, sub};
-use crate::peers::{PeerLaw, PeerScene, Record, Vector, inputs};
+use crate::peers::compare::{Scales, compare};
+use crate::peers::{Frame, PeerLaw, PeerScene, Quantity, Record, inputs};
 use crate::translate::Target;
 
 /// Every case and target against the recorded answer of the engine: every compared step, body and quantity.
 ///
 /// Both follow the same equations in the same order of steps, so the difference is round-off: 1e-16 per operation, carried
-/// on by the contact. It is largest where coordinates are large against overlaps (5e-3 m against 1e-5 m at rest on a wall:
-/// 1e-16 · 500 per step in the force) and stays below 1e-13.
+/// on by the contact. It grows to 1e-13 where coordinates are large against overlaps (5e-3 m against 1e-5 m at rest on a
+/// wall: 1e-16 · 500 per step in the force), at the end of Hertz contacts (a damping that goes with the root of the overlap
+/// is infinitely steep at zero), and in `pair granular`, which turns its spring only if that changes the force by more than
+/// 1e-10 of the Coulomb limit: round-off decides whether it does.
 #[test]
 fn follows_the_engines() {
     let mut compared = 0;
@@ -22,7 +25,7 @@ fn follows_the_engines() {
             let scales = Scales::of(&scene, &record.frames);
             let comparison = compare(&scene, &record.frames, &ours, &scales, &Quantity::ALL).unwrap();
             let worst = comparison.worst().unwrap();
-            assert!(worst.scaled <= 1e-13, "{} {}: {worst:?}", case.slug, target.name());
+            assert!(worst.scaled <= 5e-13, "{} {}: {worst:?}", case.slug, target.name());
             compared += 1;
         }
     }
@@ -110,33 +113,4 @@ fn conventions_are_the_whole_difference_between_engines() {
     let turned = set(&liggghts);
     // Same equations, products in another order.
     assert!(apart(&march_with(&lammps, &|_: &PeerLaw| turned).unwrap()) < 1e-13);
-}
-
-#[test]
-fn causes_name_every_convention_that_differs() {
-    let scene = scene("two-sphere-oblique", Target::LammpsClassic);
-    let causes = causes(&scene, &ConventionSet::PHYSICAL).unwrap();
-    let names: Vec<&str> = causes.iter().map(|cause| cause.convention).collect();
-    assert_eq!(
-        names,
-        [
-            "torque arm between bodies",
-            "slip arm between bodies",
-            "torque arm at a wall",
-            "slip arm at a wall",
-            "history order",
-            "Coulomb cap",
-            "velocity in forces",
-            "contact end",
-            "all together"
-        ]
-    );
-    let size = |name: &str| {
-        let cause = causes.iter().find(|cause| cause.convention == name).unwrap();
-        cause.comparison.worst().unwrap().scaled
-    };
-    // No wall here, so its arms change nothing at all; the arm between bodies changes the torque by overlap over radius.
-    assert_eq!(size("torque arm at a wall"), 0.0);
-    assert!(size("torque arm between bodies") > 1e-3);
-    assert!(size("all together") > 1e-3);
 }
