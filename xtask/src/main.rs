@@ -8,12 +8,12 @@ use xtask::{bench, ci, files, new_law, pages, test, tidy, validate};
 const USAGE: &str = "\
 cargo xtask <task>
 
-  validate [--install] [--live] [--record] [--case NAME]
+  validate [--install] [--live] [--record] [--case NAME]...
                compare scenes with LAMMPS and LIGGGHTS; report in target/validate
                  --install  install both engines first (apt-get, as root)
                  --live     fail unless both engines are installed
                  --record   rewrite the recorded references from live runs
-                 --case     only this case
+                 --case     only this case; may be repeated
   test [--all] [NAME]...
                run the tests; --all adds the slow ones; NAME: only tests whose name contains it
   bench [--pairs N] [--steps N]
