@@ -187,3 +187,61 @@ pub fn table(explanation: &Explanation, quantities: &[Quantity], whole: &Compari
     table.push(row("all of them: `physical` against the peer", whole));
     Block::Table(table)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases;
+    use crate::peers::{Record, inputs};
+
+    /// Calls with the recorded answer to a case.
+    fn recorded(slug: &str, target: Target, look: impl FnOnce(&Against<'_>, &[Frame])) {
+        let case = cases::find(slug).unwrap();
+        let scene = SceneFile::read(&case.scene()).unwrap();
+        let peer = case.peer(target).unwrap();
+        let record = Record::load(&case.record(target), &inputs(&peer).unwrap()).unwrap();
+        let scales = Scales::of(&peer, &record.frames);
+        let physical = frames(&scene.plan_under("physical", &[]).unwrap(), case.dump_every, 1).unwrap();
+        look(&Against { scene: &scene, target, peer: &peer, answer: &record.frames, scales }, &physical);
+    }
+
+    /// What is not explained is what differs with the peer's own conventions: round-off of the frames, 1e-12 at most.
+    #[test]
+    fn contributions_add_up_to_the_difference() {
+        for target in Target::ALL {
+            recorded("two-sphere-oblique", target, |against, physical| {
+                let worst = against.compare(physical).unwrap().worst().unwrap();
+                let explanation = explain(against, &against.ours(&[]).unwrap(), physical, &worst).unwrap();
+                let sum: f64 = explanation.causes.iter().map(|cause| cause.contribution).sum();
+                assert!(worst.scaled > 1e-3 && (sum - worst.scaled).abs() < 1e-12, "{sum} {}", worst.scaled);
+                // There is no wall whose arms could matter.
+                assert!(
+                    ["torque arm at a wall", "slip arm at a wall"]
+                        .iter()
+                        .all(|arm| { explanation.idle.contains(arm) || target == Target::Liggghts })
+                );
+            });
+        }
+    }
+
+    /// A comparison with any one convention wrong is far beyond the tolerance.
+    #[test]
+    fn each_convention_that_acts_would_be_noticed() {
+        for (slug, changes) in [
+            ("two-sphere-oblique", &[("pair_torque_arm", "HalfOverlap")][..]),
+            ("two-sphere-oblique", &[("pair_slip_arm", "HalfOverlap")]),
+            ("wall-oblique", &[("wall_torque_arm", "HalfOverlap")]),
+            ("wall-oblique", &[("wall_slip_arm", "HalfOverlap")]),
+            ("two-sphere-oblique", &[("history_update", "RotateThenIncrement")]),
+            ("two-sphere-oblique", &[("coulomb_test", "SpringThenTotal")]),
+            ("oblique-viscous", &[("coulomb_cap", "Repulsive")]),
+            ("head-on-lsd-overlap", &[("velocity", "Synchronised")]),
+        ] {
+            recorded(slug, Target::LammpsClassic, |against, _| {
+                let right = against.compare(&against.ours(&[]).unwrap()).unwrap().worst().unwrap();
+                let wrong = against.compare(&against.ours(changes).unwrap()).unwrap().worst().unwrap();
+                assert!(right.scaled <= 1e-12 && wrong.scaled > 1e-7, "{slug} {changes:?}: {wrong:?}");
+            });
+        }
+    }
+}

@@ -38,46 +38,85 @@ struct Answer {
     frames: Vec<Frame>,
 }
 
-/// Runs a case against every target that has its laws.
-///
-/// # Errors
-/// The scene cannot be planned or run, or a peer fails; a stale record is an error, too, and so is a `case.ron` whose targets
-/// are not those that have the laws.
-pub fn check(case: &Case, folder: &Path, record: bool) -> Result<Outcome, String> {
-    let scene = SceneFile::read(&case.scene())?;
-    let plan = scene.plan()?;
-    if case.dump_every == 0 || plan.driver.steps % case.dump_every != 0 {
-        return Err(format!("{}: dump_every must divide the {} steps", case.slug, plan.driver.steps));
-    }
-    let physical = frames(&scene.plan_under("physical", &[])?, case.dump_every, 1)?;
+/// Runs a case against every target that has its laws. What goes wrong (a scene that cannot be planned or run, a peer that
+/// fails, a stale record, a `case.ron` whose targets are not those that have the laws) is a verdict that does not pass.
+pub fn check(case: &Case, folder: &Path, record: bool) -> Outcome {
     let mut outcome = Outcome { verdicts: Vec::new(), differences: Default::default(), left_out: Vec::new() };
+    let failure = |name: String, why: String| {
+        let mut verdict = Verdict::judged(name, "could not be compared", f64::NAN, case.tolerance)
+            .with_engine("none", "", false)
+            .because(&case.reason);
+        verdict.extras.remarks.push(why);
+        verdict
+    };
+    let ready = match Ready::new(case) {
+        Ok(ready) => ready,
+        Err(why) => {
+            outcome.verdicts.push(failure(case.slug.clone(), why));
+            return outcome;
+        }
+    };
     for (index, target) in Target::ALL.into_iter().enumerate() {
         let (listed, name) = (case.targets.contains(&target), target.name());
-        let mut peer = match (translate(&plan, target), listed) {
-            (Ok(peer), true) => peer,
+        let compared = match (translate(&ready.plan, target), listed) {
+            (Ok(peer), true) => against(case, &ready, target, peer, &folder.join(name), record),
             (Err(why), false) => {
                 outcome.left_out.push(format!("`{}`, {name}: {why}", case.slug));
                 continue;
             }
-            (Ok(_), false) => return Err(format!("{}: {name} has its laws; list it in case.ron", case.slug)),
-            (Err(why), true) => return Err(format!("{}: {name} cannot do it: {why}", case.slug)),
+            (Ok(_), false) => Err(format!("{name} has the laws of this case, but case.ron does not list it")),
+            (Err(why), true) => Err(format!("case.ron lists {name}, which cannot do it: {why}")),
         };
-        peer.dump_every = case.dump_every;
-        peer.quantities.clone_from(&case.quantities);
-        let answer = answer(case, target, &peer, &folder.join(name), record)?;
-        let against = Against {
-            scene: &scene,
-            target,
-            peer: &peer,
-            answer: &answer.frames,
-            scales: Scales::of(&peer, &answer.frames),
-        };
-        let (verdicts, differences) = verdicts(case, &plan, &against, &answer, &physical)
-            .map_err(|error| format!("{}, {name}: {error}", case.slug))?;
-        outcome.verdicts.extend(verdicts);
-        outcome.differences[index] = Some(differences);
+        match compared {
+            Ok((verdicts, differences)) => {
+                outcome.verdicts.extend(verdicts);
+                outcome.differences[index] = Some(differences);
+            }
+            Err(why) => outcome.verdicts.push(failure(format!("{} ({name})", case.slug), why)),
+        }
     }
-    Ok(outcome)
+    outcome
+}
+
+/// A case, read and planned.
+struct Ready {
+    scene: SceneFile,
+    plan: Arc<Plan>,
+    /// Our run with the conventions `physical`.
+    physical: Vec<Frame>,
+}
+
+impl Ready {
+    fn new(case: &Case) -> Result<Self, String> {
+        let scene = SceneFile::read(&case.scene())?;
+        let plan = scene.plan()?;
+        if case.dump_every == 0 || !plan.driver.steps.is_multiple_of(case.dump_every) {
+            return Err(format!("dump_every must divide the {} steps", plan.driver.steps));
+        }
+        let physical = frames(&scene.plan_under("physical", &[])?, case.dump_every, 1)?;
+        Ok(Self { scene, plan, physical })
+    }
+}
+
+fn against(
+    case: &Case,
+    ready: &Ready,
+    target: Target,
+    mut peer: PeerScene,
+    folder: &Path,
+    record: bool,
+) -> Result<([Verdict; 2], [f64; 2]), String> {
+    peer.dump_every = case.dump_every;
+    peer.quantities.clone_from(&case.quantities);
+    let answer = answer(case, target, &peer, folder, record)?;
+    let against = Against {
+        scene: &ready.scene,
+        target,
+        peer: &peer,
+        answer: &answer.frames,
+        scales: Scales::of(&peer, &answer.frames),
+    };
+    verdicts(case, &ready.plan, &against, &answer, &ready.physical)
 }
 
 fn answer(
@@ -87,7 +126,7 @@ fn answer(
     folder: &Path,
     record: bool,
 ) -> Result<Answer, String> {
-    let fail = |error: crate::peers::PeerError| format!("{}, {}: {error}", case.slug, target.name());
+    let fail = |error: crate::peers::PeerError| error.to_string();
     let files = inputs(peer).map_err(fail)?;
     let path = case.record(target);
     if find_binary(files.engine).is_some() {

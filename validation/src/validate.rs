@@ -45,7 +45,7 @@ pub fn validate(options: &Options) -> Result<bool, String> {
     let outcomes: Vec<_> = chosen
         .par_iter()
         .map(|case| two_bodies::check(case, &work.join(&case.slug), options.record))
-        .collect::<Result<_, _>>()?;
+        .collect();
     let mut table = Table::new(["case", ">lammps-classic", ">lammps-granular", ">liggghts", ">physical"]);
     let (mut verdicts, mut left_out) = (Vec::new(), Vec::new());
     for (case, outcome) in chosen.iter().zip(outcomes) {
@@ -88,6 +88,9 @@ pub fn validate(options: &Options) -> Result<bool, String> {
             "FAIL {}: {:.2e}, at most {:.2e}: {}",
             verdict.name, verdict.max_scaled_difference, verdict.tolerance, verdict.quantity
         );
+        for remark in &verdict.extras.remarks {
+            println!("     {remark}");
+        }
     }
     let failed = report.cases.iter().filter(|case| !case.pass).count();
     println!("{} passed, {failed} failed; {}", report.cases.len() - failed, tally(&report));
