@@ -3,7 +3,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use granule_law_api::Registry;
 use granule_laws as _;
@@ -177,10 +176,6 @@ const SPICE: [&str; 34] = [
     "radius",
 ];
 
-/// Longest time in which a mutated scene may be read and planned, far above what the scenes in the folders take and far
-/// below anything that grows with the square of what they hold.
-const PATIENCE: Duration = Duration::from_secs(10);
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1500))]
 
@@ -217,9 +212,7 @@ proptest! {
             }
         }
         let mutated = tokens.concat();
-        let begin = Instant::now();
         let (plan, diagnostics) = plan(&mutated, &folder("good"));
-        prop_assert!(begin.elapsed() < PATIENCE, "{:?} for\n{mutated}", begin.elapsed());
         prop_assert!(plan.is_some() || !diagnostics.is_empty(), "no plan and no reason:\n{mutated}");
         for diagnostic in &diagnostics {
             prop_assert!(diagnostic.span.end <= mutated.len());

@@ -346,7 +346,7 @@ mod tests {
         contact.normal_force[0]
     }
 
-    /// Luding 1998, Eq. (37), is the Hertz contact for unequal spheres and for a wall, d = 2 d_i d_j/(d_i + d_j).
+    /// Case A07: Luding 1998, Eq. (37), is the Hertz contact for unequal spheres and for a wall, d = 2 d_i d_j/(d_i + d_j).
     #[test]
     fn hertz_is_the_exponent_one_half() {
         let modulus = 7e7;
