@@ -43,6 +43,12 @@ fn decisions(out: &mut String, plan: &Plan) {
     }
 }
 
+/// Time of a number of steps, without the digits that their multiplication leaves.
+fn steps_in_seconds(steps: u64, step: f64) -> f64 {
+    let product = steps as f64 * step;
+    format!("{product:.14e}").parse().unwrap_or(product)
+}
+
 fn settings(out: &mut String, plan: &Plan) {
     let driver = &plan.driver;
     line(out, format_args!("\nSettings"));
@@ -53,7 +59,7 @@ fn settings(out: &mut String, plan: &Plan) {
             "  steps: {} of {:e} s, {:e} s in all",
             driver.steps,
             driver.step,
-            driver.steps as f64 * driver.step
+            steps_in_seconds(driver.steps, driver.step)
         ),
     );
     if driver.step_limit.is_finite() {
@@ -249,7 +255,7 @@ fn outputs(out: &mut String, plan: &Plan) {
                     "  {}: {kind}; every {}, {:e} s",
                     output.path.display(),
                     if output.every == 1 { "step".to_string() } else { format!("{} steps", output.every) },
-                    output.every as f64 * plan.driver.step
+                    steps_in_seconds(output.every, plan.driver.step)
                 ),
             ),
         }
