@@ -126,7 +126,7 @@ pub(crate) fn table(drafts: &[Draft]) -> BodyTable {
     }
 }
 
-/// Masses and inertias must be representable: a radius of 1e-200 m has none.
+/// Masses, inertias and energies must be representable: a radius of 1e-200 m has none.
 fn check(builder: &mut Builder<'_>, draft: &Draft) {
     let inertia = draft.inertia_factor * draft.mass * draft.radius * draft.radius;
     if !(draft.mass.is_normal() && inertia.is_normal() && (1.0 / inertia).is_finite()) {
@@ -137,6 +137,11 @@ fn check(builder: &mut Builder<'_>, draft: &Draft) {
                 draft.mass, draft.radius
             ),
         );
+    }
+    let square = |v: [f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    let (speed, spin) = (square(draft.velocity), square(draft.spin));
+    if !(speed.is_finite() && spin.is_finite() && (draft.mass * speed + inertia * spin).is_finite()) {
+        builder.error(draft.span.clone(), "the kinetic energy of this body is outside the range of numbers");
     }
 }
 

@@ -117,6 +117,9 @@ impl Builder<'_> {
         // A step can be judged only if every law and every body is known.
         let judged = whole && conventions.is_some() && scene.contacts.complete && self.errors() == 0;
         schedule::driver(self, &mut plan, judged)?;
+        if judged && self.errors() == 0 {
+            crate::impacts::warn(self, &plan);
+        }
         outputs::outputs(self, &mut plan);
         self.decide(&plan, &drafts);
         plan.decisions = std::mem::take(&mut self.decisions);

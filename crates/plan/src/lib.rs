@@ -9,6 +9,7 @@ mod checks;
 mod conventions;
 mod explain;
 mod fingerprint;
+mod impacts;
 mod laws;
 mod limits;
 mod model;
