@@ -6,13 +6,14 @@ use std::process::ExitCode;
 use granule_validation::{bench, validate};
 
 const USAGE: &str = "usage: granule-validation validate [--out DIR] [--case NAME]... [--record]
-       granule-validation bench [--out DIR] [--pairs N] [--steps N]";
+       granule-validation bench [CASE]... [--all] [--list] [--cores N,N..] [--pairs N] [--steps N] [--single] [--out DIR]";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let result = match words.first().map(String::as_str) {
         Some("validate") => validate_with(&words[1..]),
         Some("bench") => bench_with(&words[1..]),
+        Some("bench-ours") => bench_ours(&words[1..]),
         _ => Err(USAGE.to_string()),
     };
     match result {
@@ -46,12 +47,37 @@ fn bench_with(words: &[String]) -> Result<bool, String> {
     while let Some(word) = words.next() {
         match word.as_str() {
             "--out" => options.out = PathBuf::from(value(word, words.next())?),
+            "--all" => options.all = true,
+            "--single" => options.single = true,
+            "--list" => {
+                for case in bench::CASES {
+                    println!("{}{}", case.name, if case.quick { "" } else { " (--all, or by name)" });
+                }
+                return Ok(true);
+            }
+            "--cores" => {
+                for count in value(word, words.next())?.split(',') {
+                    options.cores.push(number(word, Some(&count.to_string()))?);
+                }
+            }
             "--pairs" => options.pairs = number(word, words.next())?,
-            "--steps" => options.steps = number(word, words.next())? as u64,
-            other => return Err(format!("`{other}` is not an option\n{USAGE}")),
+            "--steps" => options.steps = Some(number(word, words.next())? as u64),
+            option if option.starts_with('-') => {
+                return Err(format!("`{option}` is not an option\n{USAGE}"));
+            }
+            name => options.words.push(name.to_string()),
         }
     }
     bench::bench(&options).map(|_| true)
+}
+
+/// One of our runs, as the benchmark asks its own program for it: a job in JSON, an answer in JSON.
+fn bench_ours(words: &[String]) -> Result<bool, String> {
+    let [job] = words else { return Err("bench-ours takes one job in JSON".into()) };
+    let job = serde_json::from_str(job).map_err(|error| format!("the job: {error}"))?;
+    let measured = bench::run(&job)?;
+    println!("{}", serde_json::to_string(&measured).map_err(|error| error.to_string())?);
+    Ok(true)
 }
 
 fn value(option: &str, word: Option<&String>) -> Result<String, String> {

@@ -8,13 +8,14 @@ use granule_drivers::{Driver, TimeStepDriver};
 use granule_law_api::Registry;
 use granule_laws as _;
 use granule_plan::Plan;
-use granule_scene::{ConventionsBlock, Scene, Spanned};
+use granule_scene::{ConventionsBlock, PrecisionChoice, Scene, Spanned};
 
 use crate::peers::Frame;
 
 /// A scene of the validation, read and ready to be planned under different conventions.
 pub struct SceneFile {
     path: PathBuf,
+    base: PathBuf,
     text: String,
     scene: Scene,
     registry: Registry,
@@ -33,7 +34,32 @@ impl SceneFile {
             parsed.diagnostics.iter().map(|problem| problem.render(&path.display().to_string(), &text));
         let problems: Vec<String> = problems.collect();
         let scene = parsed.scene.ok_or_else(|| problems.join("\n"))?;
-        Ok(Self { path: path.to_path_buf(), text, scene, registry })
+        let base = path.parent().unwrap_or(Path::new(".")).to_path_buf();
+        Ok(Self { path: path.to_path_buf(), base, text, scene, registry })
+    }
+
+    /// The scene with its files in another folder.
+    pub fn in_folder(mut self, folder: &Path) -> Self {
+        self.base = folder.to_path_buf();
+        self
+    }
+
+    /// The scene in a cell that is so many times as long in x and y; the bodies have to be there.
+    pub fn repeated(mut self, copies: [usize; 2]) -> Self {
+        if let Some(cell) = &mut self.scene.cell {
+            for (axis, count) in copies.into_iter().enumerate() {
+                let lo = cell.lo.components[axis].value;
+                let hi = &mut cell.hi.components[axis].value;
+                *hi = lo + count as f64 * (*hi - lo);
+            }
+        }
+        self
+    }
+
+    /// The scene with the laws in single precision.
+    pub fn in_single_precision(mut self) -> Self {
+        self.scene.precision = PrecisionChoice::Single;
+        self
     }
 
     /// Plans the scene as it is written.
@@ -60,8 +86,7 @@ impl SceneFile {
     }
 
     fn build(&self, scene: &Scene) -> Result<Arc<Plan>, String> {
-        let base = self.path.parent().unwrap_or(Path::new("."));
-        let (plan, problems) = granule_plan::build(scene, &self.registry, base);
+        let (plan, problems) = granule_plan::build(scene, &self.registry, &self.base);
         plan.map(Arc::new).ok_or_else(|| {
             let name = self.path.display().to_string();
             problems.iter().map(|problem| problem.render(&name, &self.text)).collect::<Vec<_>>().join("\n")

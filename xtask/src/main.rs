@@ -16,8 +16,14 @@ cargo xtask <task>
                  --case     only this case; may be repeated
   test [--all] [NAME]...
                run the tests; --all adds the slow ones; NAME: only tests whose name contains it
-  bench [--pairs N] [--steps N]
+  bench [CASE]... [--all] [--list] [--cores N,N] [--pairs N] [--steps N] [--single]
                measure speed, ours and the engines'; results in target/bench
+                 CASE     only cases whose name contains this; without, the quick ones
+                 --all    every case, the large ones too
+                 --list   name the cases
+                 --cores  numbers of cores (default: 1 and all)
+                 --pairs  rounds of ours and each engine (default 5)
+                 --single our laws in single precision
   new-law SLOT/NAME [--external DIR]
                write a new law crate: in laws/, or with --external a crate and a program of its own in DIR
   pages        rewrite the generated pages of docs/

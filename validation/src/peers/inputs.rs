@@ -1,5 +1,6 @@
 //! The files an engine reads, as text, and their hash.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -116,13 +117,18 @@ pub(super) fn tail(scene: &PeerScene, dump_format: &str, freeze: &str) -> String
     if scene.frozen.is_empty() {
         text.push_str("fix i all nve/sphere\n");
     } else {
-        // A later `group ... id` adds to the group.
-        for ids in scene.frozen.chunks(16) {
-            text.push_str("group frozen id");
-            for id in ids {
-                put(&mut text, format_args!(" {id}"));
+        match frozen_kinds(scene) {
+            Some(kinds) => put(&mut text, format_args!("group frozen type {}\n", kinds.join(" "))),
+            None => {
+                // A later `group ... id` adds to the group.
+                for ids in scene.frozen.chunks(16) {
+                    text.push_str("group frozen id");
+                    for id in ids {
+                        put(&mut text, format_args!(" {id}"));
+                    }
+                    text.push('\n');
+                }
             }
-            text.push('\n');
         }
         put(
             &mut text,
@@ -145,6 +151,21 @@ pub(super) fn tail(scene: &PeerScene, dump_format: &str, freeze: &str) -> String
     }
     put(&mut text, format_args!("run {}\n", scene.steps));
     text
+}
+
+/// The types that are frozen, if that says all: for many bodies the engines read it much faster than a list of ids.
+fn frozen_kinds(scene: &PeerScene) -> Option<Vec<String>> {
+    const FEW: usize = 64;
+    if scene.frozen.len() <= FEW {
+        return None;
+    }
+    let frozen: BTreeSet<u64> = scene.frozen.iter().copied().collect();
+    let (mut still, mut mobile) = (BTreeSet::new(), BTreeSet::new());
+    for body in &scene.bodies {
+        let group = if frozen.contains(&body.id) { &mut still } else { &mut mobile };
+        group.insert(body.kind);
+    }
+    still.is_disjoint(&mobile).then(|| still.iter().map(usize::to_string).collect())
 }
 
 /// `p` or `f` per direction.

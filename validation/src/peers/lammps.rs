@@ -13,12 +13,22 @@ use super::{
 
 pub fn script(scene: &PeerScene) -> Result<String, PeerError> {
     let mut text = format!(
-        "# {}\nunits si\natom_style sphere\nboundary {}\nprocessors * * 1\nnewton off\ncomm_modify vel yes\n\
-         read_data {BODIES}\nneighbor {:?} bin\nneigh_modify delay 0 every 1 check yes\n",
+        "# {}\nunits si\natom_style sphere\nboundary {}\nprocessors {}\nnewton off\ncomm_modify vel yes\n\
+         read_data {BODIES}\nneighbor {:?} {}\nneigh_modify delay 0 every 1 check yes\n",
         scene.title,
         boundary(scene),
-        scene.skin
+        scene.tuning.processors(),
+        scene.skin,
+        if scene.tuning.size_classes.is_empty() { "bin" } else { "multi" }
     );
+    if !scene.tuning.size_classes.is_empty() {
+        text.push_str("comm_modify mode multi vel yes\n");
+        put(&mut text, format_args!("neigh_modify collection/interval {}", scene.tuning.size_classes.len()));
+        for diameter in &scene.tuning.size_classes {
+            put(&mut text, format_args!(" {diameter:?}"));
+        }
+        text.push('\n');
+    }
     text.push_str(&pair(scene)?);
     text.push_str(&walls(scene)?);
     text.push_str(&tail(scene, "float %.17g", "freeze"));

@@ -27,10 +27,11 @@ pub fn script(scene: &PeerScene) -> Result<String, PeerError> {
     put(
         &mut text,
         format_args!(
-            "atom_style granular\natom_modify map array\nboundary {}\nprocessors * * 1\nnewton off\n\
+            "atom_style granular\natom_modify map array\nboundary {}\nprocessors {}\nnewton off\n\
              communicate single vel yes\nread_data {BODIES}\nneighbor {:?} bin\n\
              neigh_modify delay 0 every 1 check yes\n",
             boundary(scene),
+            scene.tuning.processors(),
             scene.skin
         ),
     );

@@ -28,8 +28,8 @@ pub use inputs::{InputFiles, inputs};
 pub use model::{
     Axis, ClassicLaw, ClassicStyle, Engine, GranularDamping, GranularLaw, GranularNormal, GranularTangential,
     LiggghtsLaw, LiggghtsNormal, LiggghtsTangential, PeerBody, PeerLaw, PeerMaterial, PeerScene, PeerWall,
-    Side,
+    Side, Tuning,
 };
-pub use process::{RunOptions, find_binary};
+pub use process::{RunOptions, find_binary, peak_resident};
 pub use record::{Record, today};
-pub use run::{PeerRun, run};
+pub use run::{PeerRun, Timed, run, time};

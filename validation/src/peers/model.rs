@@ -278,6 +278,22 @@ impl PeerLaw {
     }
 }
 
+/// How an engine is to work: this changes its speed, and its results by round-off only.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tuning {
+    /// Ranks along x, y and z; `None` leaves x and y to the engine, with one rank along z.
+    pub ranks: Option<[usize; 3]>,
+    /// Largest diameters of the classes of sizes that LAMMPS searches separately (m); empty for one class.
+    pub size_classes: Vec<f64>,
+}
+
+impl Tuning {
+    /// Arguments of `processors`.
+    pub(super) fn processors(&self) -> String {
+        self.ranks.map_or("* * 1".to_owned(), |[x, y, z]| format!("{x} {y} {z}"))
+    }
+}
+
 /// Everything that one run of one engine is told.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeerScene {
@@ -314,6 +330,8 @@ pub struct PeerScene {
     pub quantities: Vec<Quantity>,
     /// Skin of the neighbour lists (m).
     pub skin: f64,
+    /// How the engine works.
+    pub tuning: Tuning,
 }
 
 impl PeerScene {
@@ -365,8 +383,11 @@ impl PeerScene {
                 }
             }
         }
+        let mut rank: Vec<usize> = (0..self.bodies.len()).collect();
+        rank.sort_unstable_by_key(|&place| self.bodies[place].id);
         for id in &self.frozen {
-            match self.bodies.iter().find(|body| body.id == *id) {
+            let found = rank.binary_search_by_key(id, |&place| self.bodies[place].id);
+            match found.ok().map(|at| &self.bodies[rank[at]]) {
                 None => return fail(format!("the frozen body {id} does not exist")),
                 Some(body) if body.velocity != [0.0; 3] || body.angular_velocity != [0.0; 3] => {
                     return fail(format!("the frozen body {id} is not at rest"));

@@ -27,6 +27,15 @@ pub struct Finished {
     pub command: String,
     /// Its standard output.
     pub output: String,
+    /// Largest resident memory of the process that was started (not of its children), if the system tells \[bytes\].
+    pub peak_bytes: Option<u64>,
+}
+
+/// Largest resident memory of a process until now \[bytes\]; `process` as in `/proc`. `None` where there is no `/proc`.
+pub fn peak_resident(process: &str) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
 }
 
 /// The engine's executable, if it is in `PATH`.
@@ -93,7 +102,11 @@ pub fn run_script(
         Err(error) => Err(PeerError::File(path.clone(), error)),
     };
     let started = Instant::now();
+    let process = child.id().to_string();
+    let mut peak_bytes = None;
     let status = loop {
+        // The value only grows, and after the end there is nothing to read.
+        peak_bytes = peak_resident(&process).or(peak_bytes);
         match child.try_wait() {
             Ok(Some(status)) => break status,
             Ok(None) if started.elapsed() > options.timeout => {
@@ -103,7 +116,10 @@ pub fn run_script(
                 let tail = last_lines(&(read(&stdout_path)? + &read(&stderr_path)?));
                 return Err(PeerError::Timeout(engine, options.timeout, tail));
             }
-            Ok(None) => std::thread::sleep(Duration::from_millis(2)),
+            // Seldom for a long run, so that nobody takes a core from it.
+            Ok(None) => std::thread::sleep(
+                (started.elapsed() / 50).max(Duration::from_millis(2)).min(Duration::from_millis(50)),
+            ),
             Err(error) => return Err(PeerError::File(PathBuf::from(&words[0]), error)),
         }
     };
@@ -113,7 +129,7 @@ pub fn run_script(
         let tail = engine_lines(&output, &read(&stderr_path)?);
         return Err(PeerError::Failed(engine, status.code(), tail));
     }
-    Ok(Finished { command: words.join(" "), output })
+    Ok(Finished { command: words.join(" "), output, peak_bytes })
 }
 
 /// The engine's own words first; what MPI adds to an abort only if there are none.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::inputs::DUMP;
 use super::process::{Finished, run_script};
-use super::{Engine, Frame, PeerError, PeerScene, RunOptions, dump, inputs};
+use super::{Engine, Frame, InputFiles, PeerError, PeerScene, RunOptions, dump, inputs};
 
 /// What an engine answered.
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ pub fn run(scene: &PeerScene, folder: &Path, options: &RunOptions) -> Result<Pee
         return Err(PeerError::File(dump_path, error));
     }
     files.write(folder)?;
-    let Finished { command, output } = run_script(engine, files.script_name, folder, options)?;
+    let Finished { command, output, .. } = run_script(engine, files.script_name, folder, options)?;
     let unexpected = |what: &str| PeerError::Output(engine, what.to_owned());
     let version = version(&output).ok_or_else(|| unexpected("no version banner"))?;
     let loop_seconds = loop_time(&output).ok_or_else(|| unexpected("no `Loop time of` line"))?;
@@ -51,6 +51,32 @@ pub fn run(scene: &PeerScene, folder: &Path, options: &RunOptions) -> Result<Pee
         check_frames(scene, &frames).map_err(|what| PeerError::Output(engine, what))?;
     }
     Ok(PeerRun { engine, version, command, inputs: files.hash(), loop_seconds, frames })
+}
+
+/// What a run for timing tells.
+#[derive(Clone, Debug)]
+pub struct Timed {
+    /// Version of the engine, as its banner says it.
+    pub version: String,
+    /// Seconds of the last `run` (the engine's own `Loop time of`).
+    pub loop_seconds: f64,
+    /// Largest resident memory, if the system tells \[bytes\]; of one rank only if there are several.
+    pub peak_bytes: Option<u64>,
+}
+
+/// Runs inputs that are in a folder already; see [`InputFiles::write`].
+///
+/// # Errors
+/// The engine is missing, fails, or does not say how long it took.
+pub fn time(files: &InputFiles, folder: &Path, options: &RunOptions) -> Result<Timed, PeerError> {
+    let engine = files.engine;
+    let Finished { output, peak_bytes, .. } = run_script(engine, files.script_name, folder, options)?;
+    let unexpected = |what: &str| PeerError::Output(engine, what.to_owned());
+    Ok(Timed {
+        version: version(&output).ok_or_else(|| unexpected("no version banner"))?,
+        loop_seconds: loop_time(&output).ok_or_else(|| unexpected("no `Loop time of` line"))?,
+        peak_bytes,
+    })
 }
 
 /// `LAMMPS (29 Sep 2021 - Update 2)` or `LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, ...)`: what the brackets hold.

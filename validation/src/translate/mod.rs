@@ -18,7 +18,7 @@ use granule_plan::{Dimensions, Partner, Plan};
 use serde::Deserialize;
 
 use self::moduli::Moduli;
-use crate::peers::{Axis, PeerBody, PeerLaw, PeerScene, PeerWall, Quantity, Side};
+use crate::peers::{Axis, PeerBody, PeerLaw, PeerScene, PeerWall, Quantity, Side, Tuning};
 
 /// A peer, with the family of commands that it is told a scene in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -101,6 +101,7 @@ pub fn translate(plan: &Plan, target: Target) -> Result<PeerScene, Untranslatabl
         dump_every: 0,
         quantities: Quantity::ALL.to_vec(),
         skin: if plan.driver.skin > 0.0 { plan.driver.skin } else { 0.4 * largest },
+        tuning: Tuning::default(),
     };
     let mut moduli = Moduli::default();
     for composition in &plan.compositions {
