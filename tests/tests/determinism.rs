@@ -1,7 +1,8 @@
 //! The same scene gives the same bits: on any number of threads, and whether or not anyone looks.
 
 use granule_drivers::Driver;
-use granule_tests::{advance, driver_with};
+use granule_engine::{Engine, InstructionSet};
+use granule_tests::{advance, driver_with, plan};
 
 /// A frictional pile: 2000 spheres of different sizes that fall onto a floor, periodic sideways.
 fn pile(step: &str, steps: u64) -> String {
@@ -14,6 +15,20 @@ fn pile(step: &str, steps: u64) -> String {
         contacts: [(between: ("a", "a"), normal: LinearSpringDashpot(stiffness: 1e3, restitution: 0.7),
             tangential: TangentialSpring(stiffness: 285, friction: 0.5, damping: 1e-3))],
         driver: TimeStep(step: "{step}"), run: (steps: {steps}))"#
+    )
+}
+
+/// Discs in a heap in the plane.
+fn discs(steps: u64) -> String {
+    format!(
+        r#"(version: 1, seed: 7, dimensions: 2, gravity: (0, -9.81), materials: {{ "a": (density: 2500) }},
+        cell: (lo: (0, 0), hi: ("30 mm", "40 mm"), periodic: (true, false)),
+        bodies: [Fill(material: "a", radius: Uniform(min: "0.2 mm", max: "0.3 mm"), count: 2000,
+            lo: (0, 0), hi: ("30 mm", "30 mm"), velocity: (0, -0.5), velocity_spread: 0.2)],
+        walls: {{ "floor": Plane(point: (0, 0), normal: (0, 1), material: "a") }},
+        contacts: [(between: ("a", "a"), normal: LinearSpringDashpot(stiffness: 1e3, restitution: 0.7),
+            tangential: TangentialSpring(stiffness: 285, friction: 0.5, damping: 1e-3))],
+        driver: TimeStep(step: "5 us"), run: (steps: {steps}))"#
     )
 }
 
@@ -33,6 +48,29 @@ fn same_bits_on_any_number_of_threads() {
         for threads in [2, 4, 7] {
             assert_eq!(hash(threads), one, "{threads} threads, {step}");
         }
+    }
+}
+
+/// The loops are written once and compiled for each instruction set: the baseline gives the bits of the widest one, with
+/// friction in space and in the plane, without it, and in single precision.
+#[test]
+fn same_bits_on_every_instruction_set() {
+    let tangential =
+        ",\n            tangential: TangentialSpring(stiffness: 285, friction: 0.5, damping: 1e-3)";
+    let smooth = pile("5 us", 3000).replace(tangential, "");
+    let single = pile("5 us", 3000).replace("seed: 7,", "seed: 7, precision: Single,");
+    for (name, text) in
+        [("space", pile("5 us", 3000)), ("plane", discs(3000)), ("smooth", smooth), ("single", single)]
+    {
+        let hash = |instructions| {
+            let mut engine = Engine::with_instructions(plan(&text), 2, instructions).unwrap();
+            engine.advance(3000, &mut |_| {}).unwrap();
+            assert!(engine.tally().contacts > 100, "{name}: there are contacts");
+            let bodies = engine.bodies();
+            let rows = [&bodies.position, &bodies.velocity, &bodies.spin, &bodies.force, &bodies.torque];
+            rows.map(|rows| rows.iter().map(|row| row.0.map(f64::to_bits)).collect::<Vec<_>>())
+        };
+        assert!(hash(InstructionSet::Baseline) == hash(InstructionSet::detect()), "{name}");
     }
 }
 

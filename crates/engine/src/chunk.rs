@@ -7,11 +7,51 @@ use granule_plan::Composition;
 
 use crate::tally::Tally;
 
-/// Contacts per batch. Half of the largest chunk that laws must accept: the columns of a batch then stay in the first
-/// and second level cache.
+/// Contacts per batch. A fraction of the largest chunk that laws must accept: the columns of a batch then stay in the
+/// first level cache.
 pub(crate) const BATCH: usize = 64;
 
-type Column<T> = [T; BATCH];
+/// One number for each contact of a batch.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(crate) struct Column<T>([T; BATCH]);
+
+impl<T> Column<T> {
+    /// The numbers of group `group` of four.
+    #[inline(always)]
+    pub fn four(&self, group: usize) -> &[T; 4] {
+        &self.0.as_chunks::<4>().0[group]
+    }
+
+    /// The same, to be written.
+    #[inline(always)]
+    pub fn four_mut(&mut self, group: usize) -> &mut [T; 4] {
+        &mut self.0.as_chunks_mut::<4>().0[group]
+    }
+
+    /// Four numbers from place `k`, which is at most [`BATCH`] - 4, on.
+    #[inline(always)]
+    pub fn four_at(&mut self, k: usize) -> &mut [T; 4] {
+        let k = k.min(BATCH - 4);
+        // The length is right by construction; the compiler sees it, too.
+        self.0[k..].first_chunk_mut::<4>().unwrap_or_else(|| unreachable!())
+    }
+}
+
+impl<T> std::ops::Deref for Column<T> {
+    type Target = [T; BATCH];
+    #[inline(always)]
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl<T> std::ops::DerefMut for Column<T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
+}
 
 /// Columns of one batch. Kinematics are double precision; what stages see is `T`.
 pub(crate) struct Batch<T> {
@@ -23,28 +63,16 @@ pub(crate) struct Batch<T> {
     pub distance_squared: Column<f64>,
     /// Distance at which they touch \[m\].
     pub touching_distance: Column<f64>,
-    /// Overlap in double precision \[m\].
-    pub depth: Column<f64>,
-    /// Sum of the inverse masses \[1/kg\].
-    pub inverse_mass: Column<f64>,
     /// Index of the pair in its list.
     pub pair: Column<u32>,
     /// Place of body i within the tile.
     pub i: Column<u32>,
-    /// Place of body j, or the wall.
-    pub j: Column<u32>,
-    /// Slot in the outbox, or [`OWN`] if the tile owns j.
-    pub outgoing: Column<u32>,
-    /// Radii, then lever arms of the torque \[m\].
+    /// Where the force on j goes (see [`Tile::targets`](crate::tile::Tile::targets)); the wall.
+    pub to: Column<u32>,
+    /// Lever arms of the torque \[m\].
     pub arm: [Column<f64>; 2],
-    /// Relative velocity of the centres \[m/s\].
-    pub velocity: [Column<f64>; 3],
-    /// a_i ω_i + a_j ω_j with the arms of the slip velocity \[m/s\].
-    pub surface_velocity: [Column<f64>; 3],
     /// Relative spin \[rad/s\].
     pub relative_spin: [Column<T>; 3],
-    /// Unit normal in double precision.
-    pub direction: [Column<f64>; 3],
     pub overlap: Column<T>,
     pub normal: [Column<T>; 3],
     pub normal_velocity: Column<T>,
@@ -58,51 +86,45 @@ pub(crate) struct Batch<T> {
     pub contact_torque: [Column<T>; 3],
     pub energy: [Column<T>; 3],
     pub history: Vec<Column<T>>,
-    /// Force on i \[N\].
-    pub force: [Column<f64>; 3],
-    /// n × f_t \[N\].
-    pub turning: [Column<f64>; 3],
 }
-
-/// Marks a contact whose second body belongs to the tile itself.
-pub(crate) const OWN: u32 = u32::MAX;
 
 impl<T: Real> Batch<T> {
     pub fn new(history_width: usize) -> Self {
-        let double = || [[0.0; BATCH]; 3];
-        let vector = || [[T::ZERO; BATCH]; 3];
-        let scalar = || [T::ZERO; BATCH];
+        let double = Column([0.0; BATCH]);
+        let index = Column([0; BATCH]);
+        let scalar = Column([T::ZERO; BATCH]);
         Self {
             count: 0,
-            separation: double(),
-            distance_squared: [0.0; BATCH],
-            touching_distance: [0.0; BATCH],
-            depth: [0.0; BATCH],
-            inverse_mass: [0.0; BATCH],
-            pair: [0; BATCH],
-            i: [0; BATCH],
-            j: [0; BATCH],
-            outgoing: [0; BATCH],
-            arm: [[0.0; BATCH]; 2],
-            velocity: double(),
-            surface_velocity: double(),
-            relative_spin: vector(),
-            direction: double(),
-            overlap: scalar(),
-            normal: vector(),
-            normal_velocity: scalar(),
-            tangential_velocity: vector(),
-            reduced_mass: scalar(),
-            reduced_radius: scalar(),
-            normal_force: scalar(),
-            normal_stiffness: scalar(),
-            normal_damping: scalar(),
-            tangential_force: vector(),
-            contact_torque: vector(),
-            energy: vector(),
-            history: vec![scalar(); history_width],
-            force: double(),
-            turning: double(),
+            separation: [double; 3],
+            distance_squared: double,
+            touching_distance: double,
+            pair: index,
+            i: index,
+            to: index,
+            arm: [double; 2],
+            relative_spin: [scalar; 3],
+            overlap: scalar,
+            normal: [scalar; 3],
+            normal_velocity: scalar,
+            tangential_velocity: [scalar; 3],
+            reduced_mass: scalar,
+            reduced_radius: scalar,
+            normal_force: scalar,
+            normal_stiffness: scalar,
+            normal_damping: scalar,
+            tangential_force: [scalar; 3],
+            contact_torque: [scalar; 3],
+            energy: [scalar; 3],
+            history: vec![scalar; history_width],
+        }
+    }
+
+    /// Says how many contacts there are. The last group of four is filled up, so that it refers to existing pairs.
+    #[inline(always)]
+    pub fn close(&mut self, count: usize) {
+        self.count = count;
+        for k in count..count.next_multiple_of(4).min(BATCH) {
+            self.pair[k] = self.pair[0];
         }
     }
 
@@ -112,48 +134,10 @@ impl<T: Real> Batch<T> {
         self.count.min(BATCH)
     }
 
-    /// Unit normals and overlaps from the separations. Coincident centres get the x direction as normal: any choice is
-    /// as good, and this one keeps action and reaction opposite and the run reproducible.
+    /// Number of groups of four, the last of which may not be full.
     #[inline(always)]
-    pub fn normalise(&mut self) {
-        for k in 0..self.len() {
-            let squared = self.distance_squared[k];
-            let distance = squared.sqrt();
-            let coincident = squared == 0.0;
-            let inverse = 1.0 / if coincident { 1.0 } else { distance };
-            self.direction[0][k] = if coincident { 1.0 } else { self.separation[0][k] * inverse };
-            self.direction[1][k] = self.separation[1][k] * inverse;
-            self.direction[2][k] = self.separation[2][k] * inverse;
-            self.depth[k] = self.touching_distance[k] - distance;
-            self.overlap[k] = T::of(self.depth[k]);
-        }
-    }
-
-    /// Normal and tangential velocity from relative and surface velocities.
-    #[inline(always)]
-    pub fn project(&mut self, tangential: bool) {
-        let count = self.len();
-        let [nx, ny, nz] = &self.direction;
-        let [vx, vy, vz] = &self.velocity;
-        for k in 0..count {
-            let along = vx[k] * nx[k] + vy[k] * ny[k] + vz[k] * nz[k];
-            self.normal_velocity[k] = T::of(-along);
-        }
-        for axis in 0..3 {
-            for k in 0..count {
-                self.normal[axis][k] = T::of(self.direction[axis][k]);
-            }
-        }
-        if tangential {
-            let [sx, sy, sz] = &self.surface_velocity;
-            let [tx, ty, tz] = &mut self.tangential_velocity;
-            for k in 0..count {
-                let along = vx[k] * nx[k] + vy[k] * ny[k] + vz[k] * nz[k];
-                tx[k] = T::of(vx[k] - along * nx[k] + (ny[k] * sz[k] - nz[k] * sy[k]));
-                ty[k] = T::of(vy[k] - along * ny[k] + (nz[k] * sx[k] - nx[k] * sz[k]));
-                tz[k] = T::of(vz[k] - along * nz[k] + (nx[k] * sy[k] - ny[k] * sx[k]));
-            }
-        }
+    pub fn groups(&self) -> usize {
+        self.len().div_ceil(4)
     }
 
     /// Runs the stages of a composition.
@@ -227,33 +211,6 @@ impl<T: Real> Batch<T> {
                 tally.elastic[slot] += sum(&self.energy[0]);
                 tally.viscous[slot] += sum(&self.energy[1]);
                 tally.friction[slot] += sum(&self.energy[2]);
-            }
-        }
-    }
-
-    /// Force on i, and n × f_t, in double precision.
-    #[inline(always)]
-    pub fn assemble(&mut self, tangential: bool) {
-        let count = self.len();
-        for axis in 0..3 {
-            let (force, direction) = (&mut self.force[axis], &self.direction[axis]);
-            for k in 0..count {
-                force[k] = self.normal_force[k].wide() * direction[k];
-            }
-            if tangential {
-                for k in 0..count {
-                    force[k] += self.tangential_force[axis][k].wide();
-                }
-            }
-        }
-        if tangential {
-            let [nx, ny, nz] = &self.direction;
-            let [fx, fy, fz] = &self.tangential_force;
-            for k in 0..count {
-                let f = [fx[k].wide(), fy[k].wide(), fz[k].wide()];
-                self.turning[0][k] = ny[k] * f[2] - nz[k] * f[1];
-                self.turning[1][k] = nz[k] * f[0] - nx[k] * f[2];
-                self.turning[2][k] = nx[k] * f[1] - ny[k] * f[0];
             }
         }
     }

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use granule_integrators::{Integrator, Pass, integrator};
 use granule_plan::{Dimensions, Plan, Scheme};
-use granule_state::{Bodies, BodyInput, Layout};
+use granule_state::{Bodies, BodyInput, InstructionSet, Layout};
 use nalgebra::Vector3;
 
 use crate::error::EngineError;
-use crate::gather::Level;
+use crate::level::Level;
 use crate::lists::Lists;
 use crate::slices::{Rows, sweep, visit};
 use crate::tally::{ContactPartner, ContactRecord, Tally, Work};
@@ -49,6 +49,8 @@ pub struct Engine {
     evaluation: u32,
     /// Time at which forces were evaluated last \[s\].
     force_time: f64,
+    /// The radius of all bodies, if they have the same bits.
+    radius: Option<f64>,
     tally: Tally,
     work: Work,
 }
@@ -60,11 +62,25 @@ impl Engine {
     /// # Errors
     /// See [`EngineError`].
     pub fn new(plan: Arc<Plan>, threads: usize) -> Result<Self, EngineError> {
+        Self::with_instructions(plan, threads, InstructionSet::detect())
+    }
+
+    /// The same with the loops that are compiled for `instructions`: the results are the same bits with all of them.
+    ///
+    /// # Errors
+    /// See [`EngineError`].
+    pub fn with_instructions(
+        plan: Arc<Plan>,
+        threads: usize,
+        instructions: InstructionSet,
+    ) -> Result<Self, EngineError> {
         let integrator = scheme(plan.driver.scheme);
         let planar = plan.dimensions == Dimensions::Two;
         let layout =
             Layout { planar, rotation: plan.rotation, previous_acceleration: integrator.needs_previous() };
         let bodies = Bodies::new(layout, inputs(&plan));
+        let first = bodies.position.first().map(|row| row[3]);
+        let radius = first.filter(|radius| bodies.position.iter().all(|row| row[3] == *radius));
         let size = tile_size(bodies.len());
         let threads = threads.clamp(1, bodies.len().div_ceil(size).max(1));
         let pool = if threads > 1 {
@@ -74,7 +90,7 @@ impl Engine {
             None
         };
         let mut engine = Self {
-            level: Level::new(&plan, planar, threads)?,
+            level: Level::new(&plan, planar, threads, instructions)?,
             lists: Lists::new(&plan, &bodies, size),
             tally: Tally::new(plan.walls.len()),
             plan,
@@ -84,6 +100,7 @@ impl Engine {
             step: 0,
             evaluation: 2,
             force_time: 0.0,
+            radius,
             work: Work::default(),
         };
         engine.check_finite(0.0)?;
@@ -281,7 +298,7 @@ impl Engine {
     }
 
     fn evaluate(&mut self, time: f64, time_step: f64, observe: bool) {
-        let Self { bodies, lists, level, plan, pool, evaluation, tally, work, .. } = self;
+        let Self { bodies, lists, level, plan, pool, evaluation, tally, work, radius, .. } = self;
         let walls = moved_walls(plan, time);
         let size = lists.tile_size;
         let mut force = std::mem::take(&mut bodies.force);
@@ -289,9 +306,10 @@ impl Engine {
         let at = Evaluation {
             bodies: &shared(bodies),
             compositions: &plan.compositions,
-            shifts: &lists.shifts,
+            shifts: &lists.shift_rows,
             walls: &walls,
             gravity: plan.gravity,
+            radius: *radius,
             time_step,
             now: *evaluation,
             ledger: plan.ledger,

@@ -1,17 +1,21 @@
 //! History of contacts in a list of pairs, and its transfer from list to list.
 
-use granule_law_api::{Parity, Real};
+use granule_law_api::Parity;
 use granule_plan::Composition;
+use granule_state::{Lanes, Row};
 
 use crate::chunk::Batch;
+use crate::level::Arithmetic;
 
-/// History of the pairs of one list: `width` numbers a pair, and the number of the evaluation in which it last touched.
-/// A pair that did not touch in the evaluation before has no history: a new contact begins with zeros.
+/// History of the pairs of one list. A pair has `width` numbers, and behind them that of the evaluation in which it last
+/// touched, so that one row holds a spring and its age. A pair that did not touch in the evaluation before has no
+/// history: a new contact begins with zeros.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PairHistory {
     pub width: usize,
-    pub values: Vec<f64>,
-    pub stamp: Vec<u32>,
+    /// `rows_each` rows a pair; the last number of the last one is the evaluation.
+    rows: Vec<Row>,
+    rows_each: usize,
 }
 
 impl PairHistory {
@@ -22,96 +26,103 @@ impl PairHistory {
     /// Empty history for `pairs` pairs. No arrays exist if no law remembers anything.
     pub fn resize(&mut self, pairs: usize) {
         if self.width > 0 {
-            self.values.clear();
-            self.values.resize(pairs * self.width, 0.0);
-            self.stamp.clear();
-            self.stamp.resize(pairs, NEVER);
+            self.rows_each = (self.width + 1).div_ceil(4);
+            self.rows.clear();
+            self.rows.resize(pairs * self.rows_each, Row([0.0, 0.0, 0.0, NEVER]));
         }
     }
 
     /// History of a pair that touched in evaluation `last`.
     pub fn get(&self, pair: usize, last: u32) -> Option<&[f64]> {
-        (self.width > 0 && self.stamp[pair] == last)
-            .then(|| &self.values[pair * self.width..(pair + 1) * self.width])
+        if self.width == 0 {
+            return None;
+        }
+        let values: &[f64] =
+            Row::as_arrays(&self.rows[pair * self.rows_each..][..self.rows_each]).as_flattened();
+        (values[values.len() - 1] == f64::from(last)).then(|| &values[..self.width])
     }
 
     /// Sets the history of a pair that touched in evaluation `last`.
     pub fn set(&mut self, pair: usize, last: u32, values: &[f64]) {
-        self.values[pair * self.width..(pair + 1) * self.width].copy_from_slice(values);
-        self.stamp[pair] = last;
+        let to = self.numbers_mut(pair);
+        to[..values.len()].copy_from_slice(values);
+        to[to.len() - 1] = f64::from(last);
+    }
+
+    fn numbers_mut(&mut self, pair: usize) -> &mut [f64] {
+        let rows = &mut self.rows[pair * self.rows_each..][..self.rows_each];
+        Row::as_arrays_mut(rows).as_flattened_mut()
     }
 
     /// Fills the history columns of a batch; `now` is the number of this evaluation.
     #[inline(always)]
-    pub fn load<T: Real>(&self, batch: &mut Batch<T>, now: u32) {
-        match self.width {
-            // The widths of a scalar memory and of a spring in the tangent plane, for which the loop is unrolled.
-            1 => self.load_width::<T, 1>(batch, now),
-            3 => self.load_width::<T, 3>(batch, now),
-            width => {
-                for k in 0..batch.len() {
-                    let pair = batch.pair[k] as usize;
-                    let continues = self.stamp[pair] == now.wrapping_sub(1);
-                    let values = &self.values[pair * width..(pair + 1) * width];
-                    for (column, value) in batch.history.iter_mut().zip(values) {
-                        column[k] = T::of(*value).keep_if(continues);
-                    }
+    pub fn load<T: Arithmetic, L: Lanes>(&self, batch: &mut Batch<T>, now: u32) {
+        let before = now.wrapping_sub(1);
+        if self.width != 3 {
+            for k in 0..batch.len() {
+                let values = self.get(batch.pair[k] as usize, before);
+                for (at, column) in batch.history.iter_mut().enumerate() {
+                    column[k] = values.map_or(T::ZERO, |values| T::of(values[at]));
                 }
             }
+            return;
         }
-    }
-
-    #[inline(always)]
-    fn load_width<T: Real, const W: usize>(&self, batch: &mut Batch<T>, now: u32) {
-        let count = batch.len();
-        let Some(columns) = batch.history.first_chunk_mut::<W>() else { return };
-        let (rows, _) = self.values.as_chunks::<W>();
-        for k in 0..count {
-            let pair = batch.pair[k] as usize;
-            let continues = self.stamp[pair] == now.wrapping_sub(1);
-            let row = &rows[pair];
-            for axis in 0..W {
-                columns[axis][k] = T::of(row[axis]).keep_if(continues);
-            }
+        // A spring in the tangent plane: one row a pair.
+        let (before, zero) = (L::splat(f64::from(before)), L::splat(0.0));
+        for g in 0..batch.groups() {
+            let [a, b, c, d] = batch.pair.four(g).map(|pair| pair as usize);
+            let row = |pair: usize| &self.rows[pair].0;
+            let rows = [L::load(row(a)), L::load(row(b)), L::load(row(c)), L::load(row(d))];
+            let [x, y, z, touched] = L::transpose(rows);
+            let Some([hx, hy, hz]) = batch.history.first_chunk_mut::<3>() else { return };
+            T::store(touched.if_equal(before, x, zero), hx.four_mut(g));
+            T::store(touched.if_equal(before, y, zero), hy.four_mut(g));
+            T::store(touched.if_equal(before, z, zero), hz.four_mut(g));
         }
     }
 
     /// Stores the history columns of a batch.
     #[inline(always)]
-    pub fn store<T: Real>(&mut self, batch: &Batch<T>, now: u32) {
-        match self.width {
-            1 => self.store_width::<T, 1>(batch, now),
-            3 => self.store_width::<T, 3>(batch, now),
-            width => {
-                for k in 0..batch.len() {
-                    let pair = batch.pair[k] as usize;
-                    self.stamp[pair] = now;
-                    let values = &mut self.values[pair * width..(pair + 1) * width];
-                    for (column, value) in batch.history.iter().zip(values) {
-                        *value = column[k].wide();
-                    }
+    pub fn store<T: Arithmetic, L: Lanes>(&mut self, batch: &Batch<T>, now: u32) {
+        if self.width != 3 {
+            for k in 0..batch.len() {
+                let numbers = self.numbers_mut(batch.pair[k] as usize);
+                for (to, column) in numbers.iter_mut().zip(&batch.history) {
+                    *to = column[k].wide();
                 }
+                let last = numbers.len() - 1;
+                numbers[last] = f64::from(now);
+            }
+            return;
+        }
+        let Some([hx, hy, hz]) = batch.history.first_chunk::<3>() else { return };
+        let now = L::splat(f64::from(now));
+        for g in 0..batch.groups() {
+            let [a, b, c, d] = *batch.pair.four(g);
+            let rows = L::transpose([T::load(hx.four(g)), T::load(hy.four(g)), T::load(hz.four(g)), now]);
+            // What fills the last group up is not stored.
+            let rest = batch.len() - 4 * g;
+            rows[0].store(&mut self.rows[a as usize].0);
+            if rest > 1 {
+                rows[1].store(&mut self.rows[b as usize].0);
+            }
+            if rest > 2 {
+                rows[2].store(&mut self.rows[c as usize].0);
+            }
+            if rest > 3 {
+                rows[3].store(&mut self.rows[d as usize].0);
             }
         }
     }
 
-    #[inline(always)]
-    fn store_width<T: Real, const W: usize>(&mut self, batch: &Batch<T>, now: u32) {
-        let Some(columns) = batch.history.first_chunk::<W>() else { return };
-        let (rows, _) = self.values.as_chunks_mut::<W>();
-        for k in 0..batch.len() {
-            let pair = batch.pair[k] as usize;
-            self.stamp[pair] = now;
-            let row = &mut rows[pair];
-            for axis in 0..W {
-                row[axis] = columns[axis][k].wide();
-            }
-        }
+    /// Heap bytes.
+    pub fn bytes(&self) -> usize {
+        self.rows.capacity() * size_of::<Row>()
     }
 }
 
-/// Stamp of a pair that has never touched. Evaluations are counted from 2, so that it never equals the one before.
-pub(crate) const NEVER: u32 = 0;
+/// Evaluation of a pair that has never touched. They are counted from 2, so that it never equals the one before.
+const NEVER: f64 = 0.0;
 
 /// Swaps the roles of i and j in the history of a contact.
 pub(crate) fn swap(composition: &Composition, values: &mut [f64]) {

@@ -13,8 +13,10 @@ mod engine;
 mod error;
 mod gather;
 mod history;
+mod level;
 mod lists;
 mod prefetch;
+mod scatter;
 mod slices;
 mod space;
 mod tally;
@@ -23,4 +25,5 @@ mod walls;
 
 pub use engine::{Engine, Phase};
 pub use error::EngineError;
+pub use granule_state::InstructionSet;
 pub use tally::{ContactPartner, ContactRecord, Tally, Work};

@@ -16,6 +16,8 @@ pub(crate) struct Lists {
     pub tiles: Vec<Tile>,
     pub tile_size: usize,
     pub shifts: [[f64; 3]; IMAGE_CODES],
+    /// The same as rows, as many as codes could be written in their bits.
+    pub shift_rows: [Row; 32],
     grid: NeighbourGrid,
     /// Part of the skin for which a periodic cell must have room.
     margin: f64,
@@ -58,10 +60,14 @@ impl Lists {
             // All pairs are listed anyway. They stay the right ones until the nearest image of a pair may change.
             Search::AllPairs | Search::None => nearest_period(plan) / 2.0 - 2.0 * largest_radius - reach,
         };
+        let shifts = plan.cell.shift_table();
         Self {
             tiles: Vec::new(),
             tile_size,
-            shifts: plan.cell.shift_table(),
+            shifts,
+            shift_rows: std::array::from_fn(|code| {
+                shifts.get(code).map_or(Row::ZERO, |shift| Row::new(*shift, 0.0))
+            }),
             grid: NeighbourGrid::new(),
             margin: if plan.driver.search == Search::Grid { skin } else { 0.0 },
             skin,
@@ -73,7 +79,7 @@ impl Lists {
             wall_class: with_walls.map(|(i, wall)| class(i, Partner::Wall(wall))).collect(),
             largest_radius,
             reach,
-            history_width: crate::gather::history_width(plan),
+            history_width: crate::level::history_width(plan),
             order: Vec::new(),
             start: Vec::new(),
             partner: Vec::new(),
@@ -269,9 +275,13 @@ impl Lists {
         for index in 0..self.tiles.len() {
             let (first, len) = (self.tiles[index].first, self.tiles[index].len);
             let mut slot = 0;
+            self.tiles[index].targets.clear();
             for at in 0..self.tiles[index].inner.len() {
                 let j = self.tiles[index].inner[at].j as usize;
-                if !(first..first + len).contains(&j) {
+                if (first..first + len).contains(&j) {
+                    self.tiles[index].targets.push((j - first) as u32);
+                } else {
+                    self.tiles[index].targets.push(len as u32 + slot);
                     let to = j / size;
                     self.tiles[to].inbox.push(Incoming {
                         body: (j - to * size) as u32,

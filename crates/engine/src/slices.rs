@@ -4,7 +4,7 @@ use granule_integrators::{Integrator, Pass, Tile as RowTile};
 use granule_state::{Bodies, Row};
 
 use crate::engine::Sweep;
-use crate::gather::Level;
+use crate::level::Level;
 use crate::tile::{Evaluation, Tile};
 
 /// Rows of consecutive bodies. Columns that the layout does not have stay empty when split.
@@ -125,7 +125,7 @@ pub(crate) fn sweep(
     dt: f64,
 ) -> Pass {
     if kind != Sweep::Begin {
-        level.receive(tile, tiles, rows.force, rows.torque);
+        Tile::receive(&tiles[tile].inbox, tiles, rows.force, rows.torque);
     }
     let mut rows = RowTile {
         position: rows.position,
@@ -137,6 +137,7 @@ pub(crate) fn sweep(
         previous_angular: rows.previous_angular,
         planar_inverse_inertia: rows.planar_inverse_inertia,
         planar: rows.planar,
+        instructions: level.instructions,
     };
     match kind {
         Sweep::Receive => Pass::default(),

@@ -1,12 +1,15 @@
 //! A tile: consecutive bodies, the pairs whose first body they are, and their forces.
 
+use granule_law_api::Columns;
 use granule_plan::Composition;
-use granule_state::{Bodies, Row};
+use granule_state::{Bodies, Lanes, Row};
 
-use crate::chunk::{BATCH, Batch, OWN};
-use crate::gather::{Arena, Level, gather_pairs};
+use crate::chunk::{BATCH, Batch};
+use crate::gather::{find_contacts, gather_kinematics};
 use crate::history::PairHistory;
-use crate::space::{Space, add};
+use crate::level::{Arena, Arithmetic, Level};
+use crate::scatter::{Sums, scatter};
+use crate::space::Space;
 use crate::tally::Tally;
 use crate::walls::{MovedWall, WallList};
 
@@ -17,6 +20,20 @@ pub(crate) struct Pair {
     pub i_image: u32,
     /// Place of j among all bodies.
     pub j: u32,
+}
+
+impl Pair {
+    /// Place of i within the tile.
+    #[inline(always)]
+    pub fn place(&self) -> usize {
+        (self.i_image >> 5) as usize
+    }
+
+    /// Image code of j, below 32.
+    #[inline(always)]
+    pub fn image(&self) -> usize {
+        (self.i_image & 31) as usize
+    }
 }
 
 /// Pairs of one composition within a list.
@@ -30,8 +47,8 @@ pub(crate) struct Range {
 /// Force and torque on a body of another tile.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Outgoing {
-    pub force: [f64; 3],
-    pub torque: [f64; 3],
+    pub force: Row,
+    pub torque: Row,
 }
 
 /// Where a body of this tile finds a force that another tile has computed for it.
@@ -58,6 +75,8 @@ pub(crate) struct Tile {
     pub inner_ranges: Vec<Range>,
     /// Index in `outer` of each inner pair.
     pub inner_outer: Vec<u32>,
+    /// Where the force on j of each inner pair goes: its place within the tile, or `len` plus a slot of the outbox.
+    pub targets: Vec<u32>,
     pub history: PairHistory,
     pub outbox: Vec<Outgoing>,
     pub inbox: Vec<Incoming>,
@@ -70,9 +89,11 @@ pub(crate) struct Evaluation<'a> {
     pub bodies: &'a Shared<'a>,
     pub compositions: &'a [Composition],
     /// Shift of the separation by image code.
-    pub shifts: &'a [[f64; 3]; 27],
+    pub shifts: &'a [Row; 32],
     pub walls: &'a [MovedWall<'a>],
     pub gravity: [f64; 3],
+    /// The radius of all bodies, if they have the same.
+    pub radius: Option<f64>,
     pub time_step: f64,
     /// Number of this evaluation.
     pub now: u32,
@@ -115,16 +136,13 @@ impl Tile {
     /// Computes the forces of all contacts that this tile owns. `force` and `torque` are the rows of its bodies.
     pub fn evaluate(&mut self, level: &Level, at: &Evaluation<'_>, force: &mut [Row], torque: &mut [Row]) {
         self.tally.reset();
-        for (row, mass) in force.iter_mut().zip(&at.bodies.mass[self.first..]) {
-            *row = Row::new([mass * at.gravity[0], mass * at.gravity[1], mass * at.gravity[2]], 0.0);
-        }
-        torque.fill(Row::ZERO);
+        // Pairs that do not touch leave their slots alone.
         self.outbox.fill(Outgoing::default());
         level.evaluate(self, at, force, torque);
     }
 
     #[inline(always)]
-    pub(crate) fn evaluate_with<S: Space, T: crate::gather::Arithmetic>(
+    pub(crate) fn evaluate_with<S: Space, T: Arithmetic, L: Lanes>(
         &mut self,
         arena: &Arena<T>,
         at: &Evaluation<'_>,
@@ -133,95 +151,75 @@ impl Tile {
     ) {
         let mut batch = arena.batch();
         let own = self.first..self.first + self.len;
-        let mut outgoing = 0u32;
+        let force = &mut force[..self.len];
+        let gravity = L::load(&Row::new(at.gravity, 0.0).0);
+        for (row, mass) in force.iter_mut().zip(&at.bodies.mass[own.clone()]) {
+            (L::splat(*mass) * gravity).store(&mut row.0);
+        }
+        torque.fill(Row::ZERO);
         for index in 0..self.inner_ranges.len() {
             let range = self.inner_ranges[index];
-            let composition = &at.compositions[range.composition as usize];
+            let reach = at.compositions[range.composition as usize].reach;
             let mut next = range.start as usize;
             let end = range.end as usize;
             while next < end {
-                next = gather_pairs(
-                    &mut batch,
-                    &self.inner,
-                    next..end,
-                    &own,
-                    &mut outgoing,
-                    at,
-                    composition.reach,
-                );
+                let own = &at.bodies.position[own.clone()];
+                next = find_contacts::<T, L>(&mut batch, &self.inner[..end], next, own, at, reach);
                 if batch.count > 0 {
-                    self.pair_batch::<S, T>(&mut batch, arena, range.composition as usize, at, force, torque);
+                    let sums = (&mut *force, &mut *torque);
+                    self.pair_batch::<S, T, L>(&mut batch, arena, range.composition as usize, at, sums);
                 }
             }
         }
         if !self.walls.ranges.is_empty() {
-            self.wall_contacts::<S, T>(&mut batch, arena, at, force, torque);
+            self.wall_contacts::<S, T, L>(&mut batch, arena, at, force, torque);
         }
     }
 
     #[inline(always)]
-    fn pair_batch<S: Space, T: crate::gather::Arithmetic>(
+    fn pair_batch<S: Space, T: Arithmetic, L: Lanes>(
         &mut self,
         batch: &mut Batch<T>,
         arena: &Arena<T>,
         index: usize,
         at: &Evaluation<'_>,
-        force: &mut [Row],
-        torque: &mut [Row],
+        (force, torque): (&mut [Row], &mut [Row]),
     ) {
         let composition = &at.compositions[index];
-        let reads = composition.reads;
-        let tangential = composition.writes.contains(granule_law_api::Columns::TANGENTIAL_FORCE);
         let own = self.first..self.first + self.len;
-        batch.normalise();
-        crate::gather::gather_kinematics::<S, T>(batch, &own, at.bodies, composition);
-        batch.project(reads.contains(granule_law_api::Columns::TANGENTIAL_VELOCITY));
+        gather_kinematics::<S, T, L>(batch, &self.inner, &self.targets, own, at, composition);
         let remembers = composition.history_width > 0;
         if remembers {
-            self.history.load(batch, at.now);
+            self.history.load::<T, L>(batch, at.now);
         }
         let tally = at.ledger.then_some(&mut self.tally);
         batch.run(composition, &arena.stages[index], at.time_step, tally);
         if remembers {
-            self.history.store(batch, at.now);
+            self.history.store::<T, L>(batch, at.now);
         }
-        batch.assemble(tangential);
         self.tally.contacts += batch.count as u64;
         if at.overlap {
             self.tally.maximum_overlap = self.tally.maximum_overlap.max(batch.maximum_overlap());
         }
-        let rolls = composition.writes.contains(granule_law_api::Columns::TORQUE);
-        let force = &mut force[..self.len];
-        for k in 0..batch.len() {
-            let f = [batch.force[0][k], batch.force[1][k], batch.force[2][k]];
-            let (mut on_i, mut on_j) = ([0.0; 3], [0.0; 3]);
-            if S::ROTATION {
-                for axis in 0..3 {
-                    if tangential {
-                        on_i[axis] = -batch.arm[0][k] * batch.turning[axis][k];
-                        on_j[axis] = -batch.arm[1][k] * batch.turning[axis][k];
-                    }
-                    if rolls {
-                        on_i[axis] += batch.contact_torque[axis][k].wide();
-                        on_j[axis] -= batch.contact_torque[axis][k].wide();
-                    }
-                }
-            }
-            add::<S>(force, torque, batch.i[k] as usize, 1.0, f, on_i);
-            if batch.outgoing[k] == OWN {
-                add::<S>(force, torque, batch.j[k] as usize - self.first, -1.0, f, on_j);
-            } else {
-                let out = &mut self.outbox[batch.outgoing[k] as usize];
-                *out = Outgoing { force: [-f[0], -f[1], -f[2]], torque: on_j };
-            }
-        }
+        let tangential = composition.writes.contains(Columns::TANGENTIAL_FORCE);
+        let rolls = composition.writes.contains(Columns::TORQUE);
+        let mut sums = Sums { force, torque, outbox: &mut self.outbox };
+        scatter::<S, T, L>(batch, &mut sums, tangential, rolls, at.radius.is_some());
     }
 
     /// Adds what other tiles have computed for the bodies of this one, in the order of those tiles.
-    pub fn receive<S: Space>(inbox: &[Incoming], tiles: &[Tile], force: &mut [Row], torque: &mut [Row]) {
+    pub fn receive(inbox: &[Incoming], tiles: &[Tile], force: &mut [Row], torque: &mut [Row]) {
+        let add = |to: &mut Row, from: &Row| {
+            for k in 0..4 {
+                to[k] += from[k];
+            }
+        };
         for incoming in inbox {
             let from = &tiles[incoming.tile as usize].outbox[incoming.slot as usize];
-            add::<S>(force, torque, incoming.body as usize, 1.0, from.force, from.torque);
+            add(&mut force[incoming.body as usize], &from.force);
+            if let Some(torque) = torque.get_mut(incoming.body as usize) {
+                add(torque, &from.torque);
+            }
         }
     }
 
@@ -229,9 +227,8 @@ impl Tile {
     pub fn bytes(&self) -> usize {
         self.outer.capacity() * size_of::<Pair>()
             + self.inner.capacity() * size_of::<Pair>()
-            + self.inner_outer.capacity() * 4
-            + self.history.values.capacity() * 8
-            + self.history.stamp.capacity() * 4
+            + (self.inner_outer.capacity() + self.targets.capacity()) * 4
+            + self.history.bytes()
             + self.outbox.capacity() * size_of::<Outgoing>()
             + self.inbox.capacity() * size_of::<Incoming>()
             + self.walls.bytes()

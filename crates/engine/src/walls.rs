@@ -3,14 +3,15 @@
 use granule_geometry::Surface;
 use granule_law_api::Columns;
 use granule_plan::{Composition, WallPlan};
-use granule_state::Row;
+use granule_state::{Lanes, Row};
 use nalgebra::Vector3;
 
 use crate::chunk::{BATCH, Batch, share};
-use crate::gather::{Arena, Arithmetic};
 use crate::history::PairHistory;
-use crate::space::{Space, add};
-use crate::tile::{Evaluation, Range, Shared, Tile};
+use crate::level::{Arena, Arithmetic};
+use crate::scatter::wrenches;
+use crate::space::Space;
+use crate::tile::{Evaluation, Range, Tile};
 
 /// A wall at the time of the force evaluation.
 #[derive(Clone, Debug)]
@@ -40,14 +41,13 @@ pub(crate) struct WallList {
 impl WallList {
     /// Heap bytes.
     pub fn bytes(&self) -> usize {
-        self.pairs.capacity() * size_of::<WallPair>()
-            + self.history.values.capacity() * 8
-            + self.history.stamp.capacity() * 4
+        self.pairs.capacity() * size_of::<WallPair>() + self.history.bytes()
     }
 }
 
 impl Tile {
-    pub(crate) fn wall_contacts<S: Space, T: Arithmetic>(
+    #[inline(always)]
+    pub(crate) fn wall_contacts<S: Space, T: Arithmetic, L: Lanes>(
         &mut self,
         batch: &mut Batch<T>,
         arena: &Arena<T>,
@@ -62,12 +62,13 @@ impl Tile {
             while next < range.end as usize {
                 next = self.gather_wall_contacts::<S, T>(batch, next..range.end as usize, composition, at);
                 if batch.count > 0 {
-                    self.wall_batch::<S, T>(batch, arena, range.composition as usize, at, force, torque);
+                    self.wall_batch::<S, T, L>(batch, arena, range.composition as usize, at, force, torque);
                 }
             }
         }
     }
 
+    #[inline(always)]
     fn gather_wall_contacts<S: Space, T: Arithmetic>(
         &self,
         batch: &mut Batch<T>,
@@ -88,55 +89,31 @@ impl Tile {
             if contact.distance < limit {
                 batch.pair[count] = index as u32;
                 batch.i[count] = pair.body;
-                batch.j[count] = pair.wall;
+                batch.to[count] = pair.wall;
                 let overlap = row[3] - contact.distance;
                 batch.overlap[count] = T::of(overlap);
-                for axis in 0..3 {
-                    batch.direction[axis][count] = contact.normal[axis];
-                }
                 let touching_point = position - contact.normal * contact.distance;
                 let moving = wall.plan.wall.velocity_at(touching_point, wall.time);
-                let velocity = at.bodies.velocity::<S>(place);
-                for axis in 0..3 {
-                    batch.velocity[axis][count] = velocity[axis] - moving[axis];
-                }
+                let velocity = Vector3::from(at.bodies.velocity::<S>(place)) - moving;
                 let inverse_mass = at.bodies.velocity[place][3];
                 let mass = if inverse_mass > 0.0 { 1.0 / inverse_mass } else { at.bodies.mass[place] };
                 batch.reduced_mass[count] = T::of(mass);
                 batch.reduced_radius[count] = T::of(1.0 / (1.0 / row[3] + 1.0 / contact.curvature_radius));
-                self.wall_arms::<S, T>(batch, count, row[3], overlap, composition, at.bodies, place);
+                let conventions = &composition.context.conventions;
+                batch.arm[0][count] = row[3] - share(conventions.wall_torque_arm) * overlap;
+                let slip_arm = row[3] - share(conventions.wall_slip_arm) * overlap;
+                let spin = Vector3::from(at.bodies.spin::<S>(place));
+                project(batch, count, contact.normal, velocity, spin, slip_arm);
                 count += 1;
             }
             index += 1;
         }
-        batch.count = count;
+        batch.close(count);
         index
     }
 
     #[inline(always)]
-    fn wall_arms<S: Space, T: Arithmetic>(
-        &self,
-        batch: &mut Batch<T>,
-        k: usize,
-        radius: f64,
-        overlap: f64,
-        composition: &Composition,
-        bodies: &Shared<'_>,
-        place: usize,
-    ) {
-        let conventions = &composition.context.conventions;
-        batch.arm[0][k] = radius - share(conventions.wall_torque_arm) * overlap;
-        if S::ROTATION {
-            let slip = radius - share(conventions.wall_slip_arm) * overlap;
-            let spin = bodies.spin::<S>(place);
-            for axis in 0..3 {
-                batch.surface_velocity[axis][k] = slip * spin[axis];
-                batch.relative_spin[axis][k] = T::of(spin[axis]);
-            }
-        }
-    }
-
-    fn wall_batch<S: Space, T: Arithmetic>(
+    fn wall_batch<S: Space, T: Arithmetic, L: Lanes>(
         &mut self,
         batch: &mut Batch<T>,
         arena: &Arena<T>,
@@ -147,47 +124,72 @@ impl Tile {
     ) {
         let composition = &at.compositions[index];
         let tangential = composition.writes.contains(Columns::TANGENTIAL_FORCE);
-        batch.project(composition.reads.contains(Columns::TANGENTIAL_VELOCITY));
         let remembers = composition.history_width > 0;
         if remembers {
-            self.walls.history.load(batch, at.now);
+            self.walls.history.load::<T, L>(batch, at.now);
         }
         let tally = at.ledger.then_some(&mut self.tally);
         batch.run(composition, &arena.stages[index], at.time_step, tally);
         if remembers {
-            self.walls.history.store(batch, at.now);
+            self.walls.history.store::<T, L>(batch, at.now);
         }
-        batch.assemble(tangential);
         self.tally.wall_contacts += batch.count as u64;
         if at.overlap {
             self.tally.maximum_overlap = self.tally.maximum_overlap.max(batch.maximum_overlap());
         }
         let rolls = composition.writes.contains(Columns::TORQUE);
-        for k in 0..batch.len() {
-            let f = [batch.force[0][k], batch.force[1][k], batch.force[2][k]];
-            let mut on_body = [0.0; 3];
-            if S::ROTATION {
+        for g in 0..batch.groups() {
+            let wrenches = wrenches::<S, T, L>(batch, g, tangential, rolls, true);
+            let (mut forces, mut torques) = ([Row::ZERO; 4], [Row::ZERO; 4]);
+            for lane in 0..4 {
+                wrenches.force[lane].store(&mut forces[lane].0);
+                wrenches.torque[0][lane].store(&mut torques[lane].0);
+            }
+            for k in 4 * g..batch.len().min(4 * g + 4) {
+                let (body, f) = (batch.i[k] as usize, forces[k - 4 * g]);
+                add(&mut force[body], f);
+                if let Some(torque) = torque.get_mut(body) {
+                    add(torque, torques[k - 4 * g]);
+                }
+                let wall = batch.to[k] as usize;
+                let moving = &at.walls[wall];
+                let f = if S::PLANAR { [f[0], f[1], 0.0] } else { f.vector() };
+                let sum = &mut self.tally.wall_force[wall];
                 for axis in 0..3 {
-                    if tangential {
-                        on_body[axis] = -batch.arm[0][k] * batch.turning[axis][k];
-                    }
-                    if rolls {
-                        on_body[axis] += batch.contact_torque[axis][k].wide();
-                    }
+                    sum[axis] -= f[axis];
+                }
+                if at.ledger && !moving.plan.wall.motion().is_fixed() {
+                    self.tally.wall_power += wall_power(moving, at.bodies.position[self.first + body], f);
                 }
             }
-            let body = batch.i[k] as usize;
-            add::<S>(force, torque, body, 1.0, f, on_body);
-            let wall = batch.j[k] as usize;
-            let moving = &at.walls[wall];
-            let sum = &mut self.tally.wall_force[wall];
-            for axis in 0..3 {
-                sum[axis] -= f[axis];
-            }
-            if at.ledger && !moving.plan.wall.motion().is_fixed() {
-                self.tally.wall_power += wall_power(moving, at.bodies.position[self.first + body], f);
-            }
         }
+    }
+}
+
+fn add(to: &mut Row, value: Row) {
+    for k in 0..4 {
+        to[k] += value[k];
+    }
+}
+
+/// Normal and tangential velocity and relative spin of contact `k`, from the velocity of the centre against the wall and
+/// the spin.
+#[inline(always)]
+fn project<T: Arithmetic>(
+    batch: &mut Batch<T>,
+    k: usize,
+    normal: Vector3<f64>,
+    velocity: Vector3<f64>,
+    spin: Vector3<f64>,
+    slip_arm: f64,
+) {
+    let along = velocity.dot(&normal);
+    let tangential = velocity - normal * along + normal.cross(&(spin * slip_arm));
+    batch.normal_velocity[k] = T::of(-along);
+    for axis in 0..3 {
+        batch.normal[axis][k] = T::of(normal[axis]);
+        batch.tangential_velocity[axis][k] = T::of(tangential[axis]);
+        batch.relative_spin[axis][k] = T::of(spin[axis]);
     }
 }
 

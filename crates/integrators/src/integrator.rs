@@ -1,7 +1,8 @@
 //! Schemes applied to tiles of body rows.
 
-use granule_state::Row;
+use granule_state::{InstructionSet, Row};
 
+use crate::pass::pass;
 use crate::schemes::{ClassicVelocityVerlet, Leapfrog, Scheme, SymplecticEuler, VelocityVerlet};
 
 /// Rows of consecutive bodies. Columns that the layout does not have are empty.
@@ -24,6 +25,8 @@ pub struct Tile<'a> {
     pub planar_inverse_inertia: &'a [f64],
     /// Plane motion.
     pub planar: bool,
+    /// What the processor can do; the results are the same bits with all of them.
+    pub instructions: InstructionSet,
 }
 
 /// What one pass over a tile reports.
@@ -103,85 +106,6 @@ impl<S: Scheme> Integrator for S {
     }
 }
 
-fn pass<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) -> Pass {
-    let result = translate::<S, FINISH, BEGIN>(tile, dt);
-    let rotation = if tile.spin.is_empty() { 0.0 } else { rotate::<S, FINISH, BEGIN>(tile, dt) };
-    Pass { poison: result.poison + rotation, ..result }
-}
-
-fn translate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) -> Pass {
-    let count = tile.position.len();
-    let (position, velocity) = (&mut tile.position[..count], &mut tile.velocity[..count]);
-    let force = &tile.force[..count];
-    let coordinates = if tile.planar { 2 } else { 3 };
-    let mut maximum_displacement_squared: f64 = 0.0;
-    let mut poison: f64 = 0.0;
-    for body in 0..count {
-        let (x, v) = (&mut position[body].0, &mut velocity[body].0);
-        let inverse_mass = v[3];
-        let mut moved_squared = 0.0;
-        let mut previous = if S::PREVIOUS { tile.previous[body].0 } else { [0.0; 4] };
-        for k in 0..coordinates {
-            let a = force[body].0[k] * inverse_mass;
-            let before = x[k];
-            if FINISH {
-                S::finish(&mut x[k], &mut v[k], a, previous[k], dt);
-            }
-            if BEGIN {
-                S::begin(&mut x[k], &mut v[k], a, &mut previous[k], dt);
-            }
-            let moved = x[k] - before;
-            moved_squared += moved * moved;
-        }
-        if tile.planar && !tile.planar_inverse_inertia.is_empty() {
-            let a = force[body].0[2] * tile.planar_inverse_inertia[body];
-            let mut angle = 0.0;
-            if FINISH {
-                S::finish(&mut angle, &mut v[2], a, previous[2], dt);
-            }
-            if BEGIN {
-                S::begin(&mut angle, &mut v[2], a, &mut previous[2], dt);
-            }
-        }
-        if S::PREVIOUS && BEGIN {
-            tile.previous[body].0 = previous;
-        }
-        maximum_displacement_squared = if moved_squared > maximum_displacement_squared {
-            moved_squared
-        } else {
-            maximum_displacement_squared
-        };
-        poison += (x[0] + x[1] + x[2] + v[0] + v[1] + v[2]) * 0.0;
-    }
-    Pass { maximum_displacement_squared, poison }
-}
-
-fn rotate<S: Scheme, const FINISH: bool, const BEGIN: bool>(tile: &mut Tile<'_>, dt: f64) -> f64 {
-    let mut poison = 0.0;
-    let count = tile.spin.len();
-    let (spin, torque) = (&mut tile.spin[..count], &tile.torque[..count]);
-    for body in 0..count {
-        let w = &mut spin[body].0;
-        let inverse_inertia = w[3];
-        let mut previous = if S::PREVIOUS { tile.previous_angular[body].0 } else { [0.0; 4] };
-        let mut angle = 0.0;
-        for k in 0..3 {
-            let a = torque[body].0[k] * inverse_inertia;
-            if FINISH {
-                S::finish(&mut angle, &mut w[k], a, previous[k], dt);
-            }
-            if BEGIN {
-                S::begin(&mut angle, &mut w[k], a, &mut previous[k], dt);
-            }
-        }
-        if S::PREVIOUS && BEGIN {
-            tile.previous_angular[body].0 = previous;
-        }
-        poison += (w[0] + w[1] + w[2]) * 0.0;
-    }
-    poison
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,6 +133,7 @@ mod tests {
                     previous_angular: &mut [],
                     planar_inverse_inertia: &[],
                     planar: false,
+                    instructions: InstructionSet::detect(),
                 }
             };
         }
@@ -266,6 +191,53 @@ mod tests {
         }
     }
 
+    /// Rows with all kinds of numbers after a pass of each kind.
+    fn rows_after(name: &str, instructions: InstructionSet) -> (Vec<Row>, Pass) {
+        let mut state = 12345u32;
+        let mut number = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
+        };
+        let mut rows = || -> Vec<Row> {
+            // An odd number of bodies, one of them frozen.
+            (0..7).map(|body| Row::new([number(), number(), number()], f64::from(body))).collect()
+        };
+        let [mut position, mut velocity, mut spin, mut previous, mut previous_angular, mut force, mut torque] =
+            std::array::from_fn(|_| rows());
+        for row in force.iter_mut().chain(&mut torque).chain(&mut previous).chain(&mut previous_angular) {
+            row[3] = 0.0;
+        }
+        let scheme = integrator(name).unwrap();
+        let mut tile = Tile {
+            position: &mut position,
+            velocity: &mut velocity,
+            force: &force,
+            spin: &mut spin,
+            torque: &torque,
+            previous: &mut previous,
+            previous_angular: &mut previous_angular,
+            planar_inverse_inertia: &[],
+            planar: false,
+            instructions,
+        };
+        scheme.begin(&mut tile, 0.01);
+        let pass = scheme.finish_begin(&mut tile, 0.01);
+        scheme.finish(&mut tile, 0.01);
+        ([position, velocity, spin, previous, previous_angular].concat(), pass)
+    }
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        for name in NAMES {
+            let (rows, pass) = rows_after(name, InstructionSet::Baseline);
+            assert_eq!((rows.clone(), pass), rows_after(name, InstructionSet::detect()), "{name}");
+            assert!(pass.maximum_displacement_squared > 0.0 && pass.poison == 0.0);
+            for (body, row) in rows[..7].iter().enumerate() {
+                assert_eq!(row[3], body as f64, "the radius is no coordinate");
+            }
+        }
+    }
+
     #[test]
     fn the_stability_limit_is_where_it_is_stated() {
         for name in NAMES {
@@ -291,6 +263,7 @@ mod tests {
                 previous_angular: &mut [],
                 planar_inverse_inertia: &[],
                 planar: false,
+                instructions: InstructionSet::detect(),
             },
             1.0,
         );

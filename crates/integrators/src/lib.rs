@@ -5,7 +5,8 @@
 //! contacts.
 
 mod integrator;
+mod pass;
 mod schemes;
 
 pub use integrator::{Integrator, Pass, Tile, integrator};
-pub use schemes::{ClassicVelocityVerlet, Leapfrog, Scheme, SymplecticEuler, VelocityVerlet};
+pub use schemes::{ClassicVelocityVerlet, Leapfrog, Scheme, Step, SymplecticEuler, VelocityVerlet};

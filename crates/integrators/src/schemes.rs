@@ -1,4 +1,22 @@
-//! The schemes, written once for a single coordinate.
+//! The schemes, written once for a coordinate, or for the coordinates of a row at once.
+
+use granule_state::Number;
+
+/// The time step and half of it, in the form of the numbers that it is multiplied with.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<N> {
+    /// dt \[s\].
+    pub full: N,
+    /// dt / 2 \[s\].
+    pub half: N,
+}
+
+impl Step<f64> {
+    /// The step of a single number.
+    pub fn of(dt: f64) -> Self {
+        Self { full: dt, half: 0.5 * dt }
+    }
+}
 
 /// A scheme acts on each coordinate `x` with velocity `v`, acceleration `a` and, if it wants one, a remembered
 /// acceleration `previous`. Rotation is treated in the same way; its angles are not kept, so `x` is then scratch.
@@ -19,9 +37,9 @@ pub trait Scheme: Send + Sync + 'static {
     const FORCE_TIME: f64 = 1.0;
 
     /// From the end of the last step to the force evaluation of this one.
-    fn begin(x: &mut f64, v: &mut f64, a: f64, previous: &mut f64, dt: f64);
+    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, previous: &mut N, dt: Step<N>);
     /// From the force evaluation to the end of the step.
-    fn finish(x: &mut f64, v: &mut f64, a: f64, previous: f64, dt: f64);
+    fn finish<N: Number>(x: &mut N, v: &mut N, a: N, previous: N, dt: Step<N>);
 }
 
 /// Velocity Verlet whose forces see the velocity predicted to the end of the step, v + a dt; the kick is then corrected
@@ -37,15 +55,15 @@ impl Scheme for VelocityVerlet {
     const STABILITY: f64 = 2.0;
 
     #[inline(always)]
-    fn begin(x: &mut f64, v: &mut f64, a: f64, previous: &mut f64, dt: f64) {
-        *x += dt * (*v + 0.5 * dt * a);
-        *v += dt * a;
+    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, previous: &mut N, dt: Step<N>) {
+        *x = *x + dt.full * (*v + dt.half * a);
+        *v = *v + dt.full * a;
         *previous = a;
     }
 
     #[inline(always)]
-    fn finish(_x: &mut f64, v: &mut f64, a: f64, previous: f64, dt: f64) {
-        *v += 0.5 * dt * (a - previous);
+    fn finish<N: Number>(_x: &mut N, v: &mut N, a: N, previous: N, dt: Step<N>) {
+        *v = *v + dt.half * (a - previous);
     }
 }
 
@@ -62,14 +80,14 @@ impl Scheme for ClassicVelocityVerlet {
     const STABILITY: f64 = 2.0;
 
     #[inline(always)]
-    fn begin(x: &mut f64, v: &mut f64, a: f64, _previous: &mut f64, dt: f64) {
-        *v += 0.5 * dt * a;
-        *x += dt * *v;
+    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, _previous: &mut N, dt: Step<N>) {
+        *v = *v + dt.half * a;
+        *x = *x + dt.full * *v;
     }
 
     #[inline(always)]
-    fn finish(_x: &mut f64, v: &mut f64, a: f64, _previous: f64, dt: f64) {
-        *v += 0.5 * dt * a;
+    fn finish<N: Number>(_x: &mut N, v: &mut N, a: N, _previous: N, dt: Step<N>) {
+        *v = *v + dt.half * a;
     }
 }
 
@@ -87,14 +105,14 @@ impl Scheme for Leapfrog {
     const FORCE_TIME: f64 = 0.5;
 
     #[inline(always)]
-    fn begin(x: &mut f64, v: &mut f64, _a: f64, _previous: &mut f64, dt: f64) {
-        *x += 0.5 * dt * *v;
+    fn begin<N: Number>(x: &mut N, v: &mut N, _a: N, _previous: &mut N, dt: Step<N>) {
+        *x = *x + dt.half * *v;
     }
 
     #[inline(always)]
-    fn finish(x: &mut f64, v: &mut f64, a: f64, _previous: f64, dt: f64) {
-        *v += dt * a;
-        *x += 0.5 * dt * *v;
+    fn finish<N: Number>(x: &mut N, v: &mut N, a: N, _previous: N, dt: Step<N>) {
+        *v = *v + dt.full * a;
+        *x = *x + dt.half * *v;
     }
 }
 
@@ -110,11 +128,11 @@ impl Scheme for SymplecticEuler {
     const STABILITY: f64 = 2.0;
 
     #[inline(always)]
-    fn begin(x: &mut f64, v: &mut f64, a: f64, _previous: &mut f64, dt: f64) {
-        *v += dt * a;
-        *x += dt * *v;
+    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, _previous: &mut N, dt: Step<N>) {
+        *v = *v + dt.full * a;
+        *x = *x + dt.full * *v;
     }
 
     #[inline(always)]
-    fn finish(_x: &mut f64, _v: &mut f64, _a: f64, _previous: f64, _dt: f64) {}
+    fn finish<N: Number>(_x: &mut N, _v: &mut N, _a: N, _previous: N, _dt: Step<N>) {}
 }

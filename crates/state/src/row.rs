@@ -27,6 +27,11 @@ impl Row {
     pub fn as_arrays(rows: &[Self]) -> &[[f64; 4]] {
         bytemuck::cast_slice(rows)
     }
+
+    /// The rows as plain arrays, to be written.
+    pub fn as_arrays_mut(rows: &mut [Self]) -> &mut [[f64; 4]] {
+        bytemuck::cast_slice_mut(rows)
+    }
 }
 
 impl Index<usize> for Row {

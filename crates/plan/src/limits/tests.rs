@@ -9,9 +9,9 @@ fn amplitude<S: schemes::Scheme>(stiffness: f64, damping: f64, step: f64) -> f64
     let (mut x, mut v, mut previous) = (1.0, 0.0, 0.0);
     let mut a = force(x, v);
     for _ in 0..4000 {
-        S::begin(&mut x, &mut v, a, &mut previous, step);
+        S::begin(&mut x, &mut v, a, &mut previous, schemes::Step::of(step));
         a = force(x, v);
-        S::finish(&mut x, &mut v, a, previous, step);
+        S::finish(&mut x, &mut v, a, previous, schemes::Step::of(step));
         if x.abs() + v.abs() * step >= 1e6 {
             return f64::INFINITY;
         }
