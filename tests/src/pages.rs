@@ -4,7 +4,9 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use granule_law_api::{ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Params, Registry, Slot};
+use granule_law_api::{
+    ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Params, Registry, Slot, Source, SubstrateEntry,
+};
 
 const DOCS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs");
 
@@ -21,6 +23,9 @@ pub fn pages(registry: &Registry) -> Vec<(PathBuf, String)> {
     ];
     for law in registry.entries() {
         pages.push((Path::new("laws").join(format!("{}.md", law.info.name)), page(law)));
+    }
+    for law in registry.substrates() {
+        pages.push((Path::new("laws").join(format!("{}.md", law.info.name)), substrate_page(law)));
     }
     pages.sort();
     pages
@@ -39,6 +44,25 @@ fn index(registry: &Registry) -> String {
             let _ = writeln!(out, "| [{name}]({name}.md) | {} | {} |", slot.name(), cell(summary));
         }
     }
+    for law in registry.substrates() {
+        let _ = writeln!(out, "| [{0}]({0}.md) | substrate | {1} |", law.info.name, cell(law.info.summary));
+    }
+    out
+}
+
+/// The page of one substrate law.
+fn substrate_page(law: &SubstrateEntry) -> String {
+    let info = law.info;
+    let mut out = format!(
+        "# {}\n\nA law of the substrate, from the crate `{}`. {}\n\n## Formula\n\n```text\n{}\n```\n",
+        info.name, law.crate_name, info.summary, info.formula
+    );
+    parameters(&mut out, info.parameters);
+    out.push_str(WAYS);
+    for form in info.forms {
+        way(&mut out, form, false);
+    }
+    sources(&mut out, info.sources);
     out
 }
 
@@ -53,22 +77,33 @@ fn page(law: &LawEntry) -> String {
         info.summary,
         info.formula
     );
-    out.push_str("\n## Parameters\n\n| name | symbol | unit | allowed | meaning |\n|---|---|---|---|---|\n");
-    for spec in info.parameters {
-        parameter(&mut out, spec);
-    }
-    out.push_str("\n## Ways to give them\n\n| parameters | meaning |\n|---|---|\n");
+    parameters(&mut out, info.parameters);
+    out.push_str(WAYS);
     for (index, form) in info.forms.iter().enumerate() {
         way(&mut out, form, may_create_energy(law, index));
     }
     out.push_str("\n## Contact\n\n");
     contact(&mut out, law);
+    sources(&mut out, info.sources);
+    out
+}
+
+const WAYS: &str = "\n## Ways to give them\n\n| parameters | meaning |\n|---|---|\n";
+
+fn parameters(out: &mut String, specs: &[&ParamSpec]) {
+    out.push_str("\n## Parameters\n\n| name | symbol | unit | allowed | meaning |\n|---|---|---|---|---|\n");
+    for spec in specs {
+        parameter(out, spec);
+    }
+}
+
+fn sources(out: &mut String, sources: &[Source]) {
     out.push_str("\n## Sources\n\n");
-    for source in info.sources {
+    for source in sources {
         let note = if source.note.is_empty() { String::new() } else { format!(": {}", source.note) };
+        // Writing to a string cannot fail.
         let _ = writeln!(out, "- {}, {}{note}", source.work, source.place);
     }
-    out
 }
 
 fn parameter(out: &mut String, spec: &ParamSpec) {

@@ -25,10 +25,11 @@ fn folders_catalog_and_registrations_name_the_same_crates() {
         .filter_map(|line| line.strip_prefix("use granule_law_")?.strip_suffix(" as _;"))
         .map(|name| name.replace('_', "-"))
         .collect();
-    let registered: BTreeSet<String> = registry()
-        .entries()
-        .iter()
-        .map(|law| law.crate_name.strip_prefix("granule-law-").unwrap_or(law.crate_name).to_string())
+    let registry = registry();
+    let contact = registry.entries().iter().map(|law| law.crate_name);
+    let registered: BTreeSet<String> = contact
+        .chain(registry.substrates().iter().map(|law| law.crate_name))
+        .map(|name| name.strip_prefix("granule-law-").unwrap_or(name).to_string())
         .collect();
     assert!(!folders.is_empty());
     assert_eq!(folders, linked, "folders of laws/ and lines of laws/catalog/src/lib.rs");
@@ -89,6 +90,19 @@ fn a_slip_of_the_pen_gets_a_suggestion() {
     }
     let error = registry.get("zzz").unwrap_err();
     assert!(!error.to_string().contains("did you mean"), "{error}");
+}
+
+#[test]
+fn substrate_laws_are_found_by_name_and_registered_once() {
+    let registry = registry();
+    let law = registry.substrate("StickSlip").unwrap();
+    assert_eq!(law.crate_name, "granule-law-substrate");
+    let RegistryError::Unknown { nearest, .. } = registry.substrate("Stickslip").unwrap_err() else {
+        panic!("a slip of the pen is no law")
+    };
+    assert_eq!(nearest.as_deref(), Some("StickSlip"));
+    let twice = Registry::from_entries(std::iter::empty()).unwrap().with_substrates([law, law].into_iter());
+    assert!(matches!(twice, Err(RegistryError::Duplicate { .. })));
 }
 
 #[test]

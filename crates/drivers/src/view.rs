@@ -1,6 +1,6 @@
 //! A read-only view of a run at one moment.
 
-use granule_engine::{ContactRecord, Engine, Tally, Work};
+use granule_engine::{ContactRecord, Engine, SubstrateTally, Tally, Work};
 use granule_plan::Plan;
 use granule_state::Bodies;
 
@@ -48,6 +48,11 @@ impl<'a> View<'a> {
     /// Work and dissipation since the start; zero without the energy ledger.
     pub fn work(&self) -> &'a Work {
         self.engine.work()
+    }
+
+    /// What bodies do on the substrate, and its work and dissipation since the start; zero without one.
+    pub fn substrate(&self) -> &'a SubstrateTally {
+        self.engine.substrate()
     }
 
     /// All contacts, ordered by identities.

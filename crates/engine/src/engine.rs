@@ -11,6 +11,7 @@ use crate::error::EngineError;
 use crate::level::Level;
 use crate::lists::Lists;
 use crate::slices::{Rows, sweep, visit};
+use crate::substrate::{self, SubstrateTally};
 use crate::tally::{ContactPartner, ContactRecord, Tally, Work};
 use crate::tile::{Evaluation, shared, tile_size};
 use crate::walls::MovedWall;
@@ -53,6 +54,7 @@ pub struct Engine {
     radius: Option<f64>,
     tally: Tally,
     work: Work,
+    substrate: SubstrateTally,
 }
 
 impl Engine {
@@ -76,8 +78,12 @@ impl Engine {
     ) -> Result<Self, EngineError> {
         let integrator = scheme(plan.driver.scheme);
         let planar = plan.dimensions == Dimensions::Two;
-        let layout =
-            Layout { planar, rotation: plan.rotation, previous_acceleration: integrator.needs_previous() };
+        let layout = Layout {
+            planar,
+            rotation: plan.rotation,
+            previous_acceleration: integrator.needs_previous(),
+            surface: plan.substrate.is_some(),
+        };
         let bodies = Bodies::new(layout, inputs(&plan));
         let first = bodies.position.first().map(|row| row[3]);
         let radius = first.filter(|radius| bodies.position.iter().all(|row| row[3] == *radius));
@@ -102,11 +108,15 @@ impl Engine {
             force_time: 0.0,
             radius,
             work: Work::default(),
+            substrate: SubstrateTally::default(),
         };
         engine.check_finite(0.0)?;
         engine.update_lists(0.0)?;
         engine.evaluate(0.0, 0.0, true);
         engine.sweep(Sweep::Receive);
+        if engine.plan.substrate.is_some() {
+            engine.settle(0.0);
+        }
         engine.check_finite(f64::NAN)?;
         Ok(engine)
     }
@@ -139,6 +149,11 @@ impl Engine {
     /// Work and dissipation since the start; zero without the energy ledger.
     pub fn work(&self) -> &Work {
         &self.work
+    }
+
+    /// What bodies do on the substrate, and its work and dissipation since the start.
+    pub fn substrate(&self) -> &SubstrateTally {
+        &self.substrate
     }
 
     /// Worker threads in use.
@@ -234,6 +249,31 @@ impl Engine {
     }
 
     fn integrate(&mut self, kind: Sweep) -> Result<(), EngineError> {
+        if self.plan.substrate.is_some() && kind != Sweep::Begin {
+            // The surface answers to the motion at the end of the step, before the next one begins.
+            self.pass(Sweep::Finish)?;
+            self.settle(self.plan.driver.step);
+            return if kind == Sweep::FinishBegin { self.pass(Sweep::Begin) } else { Ok(()) };
+        }
+        self.pass(kind)
+    }
+
+    /// Lets the substrate act over the step that has been integrated without it; zero for the state at the start.
+    fn settle(&mut self, time_step: f64) {
+        let time = if time_step > 0.0 { (self.step + 1) as f64 * time_step } else { 0.0 };
+        let Self { bodies, lists, plan, pool, substrate, .. } = self;
+        let Some(surface) = &plan.substrate else { return };
+        let mut act =
+            |parallel| substrate::settle(surface, bodies, time, time_step, plan.gravity[2], parallel);
+        let tally = match pool {
+            Some(pool) => pool.install(|| act(true)),
+            None => act(false),
+        };
+        lists.travel(tally.displacement);
+        substrate.add(tally);
+    }
+
+    fn pass(&mut self, kind: Sweep) -> Result<(), EngineError> {
         let pass = self.sweep(kind);
         self.check_finite(pass.poison)?;
         self.lists.travel(pass.maximum_displacement_squared.sqrt());

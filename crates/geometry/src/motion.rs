@@ -118,6 +118,16 @@ impl Motion {
         }
     }
 
+    /// True for a translation that is not along x and y alone.
+    pub fn leaves_plane(&self) -> bool {
+        match &self.0 {
+            Kind::Fixed | Kind::Rotation { .. } => false,
+            Kind::ConstantVelocity(velocity) => velocity.z != 0.0,
+            Kind::Sinusoidal { amplitude, .. } => amplitude.z != 0.0,
+            Kind::Table(rows) => rows.iter().any(|row| row.1.z != 0.0),
+        }
+    }
+
     /// Translation at time `t` from where the wall was described, m; zero for a rotation.
     pub fn displacement(&self, t: f64) -> Vector3<f64> {
         match &self.0 {

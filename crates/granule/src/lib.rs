@@ -66,7 +66,9 @@ pub mod prelude {
     pub use granule_drivers::{
         Advance, ContactPartner, ContactRecord, Driver, EngineError, TimeStepDriver, View,
     };
-    pub use granule_law_api::{ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot};
+    pub use granule_law_api::{
+        ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot, SubstrateEntry, SubstrateInfo,
+    };
     pub use granule_observers::{Energy, Observer, Observers, quantities};
     pub use granule_plan::{Dimensions, OutputKind, Plan};
     pub use granule_scene::{Diagnostic, Severity};

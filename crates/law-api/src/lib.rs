@@ -17,6 +17,7 @@ pub mod oscillator;
 mod params;
 mod real;
 mod registry;
+mod substrate;
 pub mod testing;
 
 pub use chunk::{CHUNK, ContactChunk, EnergyColumns, Stage};
@@ -29,6 +30,9 @@ pub use oracle::{Impact, ImpactOutcome, NormalOracle, ObliqueImpact, Oracle, Tan
 pub use params::{Bound, Form, LawError, ParamSpec, Params, ValueRange};
 pub use real::Real;
 pub use registry::{API_VERSION, ContactLaw, LawEntry, Registry, RegistryError, nearest};
+pub use substrate::{
+    Footing, SubstrateContact, SubstrateContext, SubstrateEntry, SubstrateInfo, SubstrateLaw, SubstrateStage,
+};
 
 #[doc(hidden)]
 pub mod reexport {

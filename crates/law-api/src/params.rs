@@ -171,6 +171,13 @@ impl std::fmt::Display for LawError {
 
 impl std::error::Error for LawError {}
 
+/// What parameters are chosen from.
+pub(crate) struct Choice {
+    pub law: &'static str,
+    pub parameters: &'static [&'static ParamSpec],
+    pub forms: &'static [Form],
+}
+
 /// Checked parameter values of one law in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
@@ -182,10 +189,15 @@ impl Params {
     /// Checks names, ranges and completeness, and finds the form that the given names belong to. All problems are
     /// returned at once. Values are in SI units.
     pub fn new(info: &'static LawInfo, given: &[(&str, f64)]) -> Result<Self, Vec<LawError>> {
+        Self::of(&Choice { law: info.name, parameters: info.parameters, forms: info.forms }, given)
+    }
+
+    /// As [`new`](Self::new) for a law of whatever kind.
+    pub(crate) fn of(law: &Choice, given: &[(&str, f64)]) -> Result<Self, Vec<LawError>> {
         let mut errors = Vec::new();
         for (index, (name, value)) in given.iter().enumerate() {
-            let Some(spec) = info.parameters.iter().find(|spec| spec.name == *name) else {
-                errors.push(unknown(info, name));
+            let Some(spec) = law.parameters.iter().find(|spec| spec.name == *name) else {
+                errors.push(unknown(law, name));
                 continue;
             };
             if given[..index].iter().any(|(earlier, _)| earlier == name) {
@@ -206,10 +218,10 @@ impl Params {
             form.required.iter().all(|spec| given.iter().any(|(name, _)| *name == spec.name))
                 && given.iter().all(|(name, _)| form.knows(name))
         };
-        let Some(form) = info.forms.iter().position(fits) else {
-            return Err(vec![no_form(info, given)]);
+        let Some(form) = law.forms.iter().position(fits) else {
+            return Err(vec![no_form(law, given)]);
         };
-        let chosen = &info.forms[form];
+        let chosen = &law.forms[form];
         let value_of =
             |spec: &ParamSpec| given.iter().find(|(name, _)| *name == spec.name).map(|(_, value)| *value);
         let mut values: Vec<(&'static str, f64)> = chosen
@@ -247,22 +259,22 @@ impl Params {
     }
 }
 
-fn unknown(info: &LawInfo, name: &str) -> LawError {
-    let names: Vec<&str> = info.parameters.iter().map(|spec| spec.name).collect();
+fn unknown(law: &Choice, name: &str) -> LawError {
+    let names: Vec<&str> = law.parameters.iter().map(|spec| spec.name).collect();
     let near = crate::registry::nearest(name, names.iter().copied());
     let help = match near {
-        Some(near) => format!("did you mean `{near}`? {} takes {}", info.name, forms_text(info)),
-        None => format!("{} takes {}", info.name, forms_text(info)),
+        Some(near) => format!("did you mean `{near}`? {} takes {}", law.law, forms_text(law)),
+        None => format!("{} takes {}", law.law, forms_text(law)),
     };
-    LawError::new(format!("{} has no parameter `{name}`", info.name)).at(name).help(help)
+    LawError::new(format!("{} has no parameter `{name}`", law.law)).at(name).help(help)
 }
 
-fn no_form(info: &LawInfo, given: &[(&str, f64)]) -> LawError {
+fn no_form(law: &Choice, given: &[(&str, f64)]) -> LawError {
     let names: Vec<&str> = given.iter().map(|(name, _)| *name).collect();
-    LawError::new(format!("{} cannot be determined from ({})", info.name, names.join(", ")))
-        .help(format!("give one of {}", forms_text(info)))
+    LawError::new(format!("{} cannot be determined from ({})", law.law, names.join(", ")))
+        .help(format!("give one of {}", forms_text(law)))
 }
 
-fn forms_text(info: &LawInfo) -> String {
-    info.forms.iter().map(Form::describe).collect::<Vec<_>>().join(" or ")
+fn forms_text(law: &Choice) -> String {
+    law.forms.iter().map(Form::describe).collect::<Vec<_>>().join(" or ")
 }

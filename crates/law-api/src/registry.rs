@@ -1,7 +1,8 @@
 //! The trait that a law implements, and the registry of all linked laws.
 
 use crate::{
-    Columns, Impact, LawError, LawInfo, NormalSummary, Oracle, PairContext, Params, Real, Stage, TimeScale,
+    Columns, Impact, LawError, LawInfo, NormalSummary, Oracle, PairContext, Params, Real, Stage,
+    SubstrateEntry, TimeScale,
 };
 
 /// Version of this interface. A law crate built against another one would register where nobody looks; the number makes
@@ -179,6 +180,7 @@ impl std::error::Error for RegistryError {}
 #[derive(Clone, Debug)]
 pub struct Registry {
     entries: Vec<&'static LawEntry>,
+    substrates: Vec<&'static SubstrateEntry>,
 }
 
 impl Registry {
@@ -187,7 +189,54 @@ impl Registry {
     /// # Errors
     /// Two laws of the same name, or a law built against another interface version.
     pub fn collect() -> Result<Self, RegistryError> {
-        Self::from_entries(inventory::iter::<LawEntry>.into_iter())
+        Self::from_entries(inventory::iter::<LawEntry>.into_iter())?
+            .with_substrates(inventory::iter::<SubstrateEntry>.into_iter())
+    }
+
+    /// Adds laws of surfaces, which have names of their own.
+    ///
+    /// # Errors
+    /// As for [`collect`](Self::collect).
+    pub fn with_substrates(
+        mut self,
+        entries: impl Iterator<Item = &'static SubstrateEntry>,
+    ) -> Result<Self, RegistryError> {
+        self.substrates.extend(entries);
+        self.substrates.sort_by_key(|entry| (entry.info.name, entry.crate_name));
+        for pair in self.substrates.windows(2) {
+            if pair[0].info.name == pair[1].info.name {
+                return Err(RegistryError::Duplicate {
+                    name: pair[0].info.name.to_string(),
+                    crates: [pair[0].crate_name.to_string(), pair[1].crate_name.to_string()],
+                });
+            }
+        }
+        match self.substrates.iter().find(|entry| entry.api_version != API_VERSION) {
+            Some(entry) => {
+                Err(RegistryError::ApiVersion { name: entry.info.name.to_string(), found: entry.api_version })
+            }
+            None => Ok(self),
+        }
+    }
+
+    /// All laws of surfaces, ordered by name.
+    pub fn substrates(&self) -> &[&'static SubstrateEntry] {
+        &self.substrates
+    }
+
+    /// The law of a surface of that name.
+    ///
+    /// # Errors
+    /// [`RegistryError::Unknown`] with the nearest name and all registered ones.
+    pub fn substrate(&self, name: &str) -> Result<&'static SubstrateEntry, RegistryError> {
+        self.substrates.iter().copied().find(|entry| entry.info.name == name).ok_or_else(|| {
+            let known = || self.substrates.iter().map(|entry| entry.info.name);
+            RegistryError::Unknown {
+                name: name.to_string(),
+                nearest: nearest(name, known()).map(str::to_string),
+                known: known().map(str::to_string).collect(),
+            }
+        })
     }
 
     /// A registry of the given entries.
@@ -211,7 +260,7 @@ impl Registry {
                 found: entry.api_version,
             });
         }
-        Ok(Self { entries })
+        Ok(Self { entries, substrates: Vec::new() })
     }
 
     /// All laws, ordered by name.

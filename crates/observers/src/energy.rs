@@ -17,11 +17,11 @@ pub struct Energy {
     pub gravity: f64,
     /// Energy stored in contacts \[J\].
     pub elastic: f64,
-    /// Dissipated by damping since the start \[J\].
+    /// Dissipated by damping and in landings on a substrate since the start \[J\].
     pub dissipated_viscous: f64,
-    /// Dissipated by sliding since the start \[J\].
+    /// Dissipated by sliding since the start, on a substrate by rolling, too \[J\].
     pub dissipated_friction: f64,
-    /// Work done by moving walls on the bodies since the start \[J\].
+    /// Work done by moving walls and a moving substrate on the bodies since the start \[J\].
     pub wall_work: f64,
 }
 
@@ -29,14 +29,16 @@ impl Energy {
     /// The energies of a view.
     pub fn of(view: &View<'_>) -> Self {
         let work = view.work();
+        let substrate = view.substrate().work;
+        let rubbed = substrate.sliding + substrate.rolling + substrate.drilling;
         Self {
             kinetic: quantities::kinetic_energy(view),
             rotational: quantities::rotational_energy(view),
             gravity: quantities::gravity_energy(view),
             elastic: quantities::elastic_energy(view),
-            dissipated_viscous: work.viscous.iter().sum(),
-            dissipated_friction: work.friction.iter().sum(),
-            wall_work: work.walls,
+            dissipated_viscous: work.viscous.iter().sum::<f64>() + substrate.impact,
+            dissipated_friction: work.friction.iter().sum::<f64>() + rubbed,
+            wall_work: work.walls + substrate.plate,
         }
     }
 

@@ -11,7 +11,7 @@ use granule_scene::{
 
 use crate::bodies::Draft;
 use crate::model::{Decision, Dimensions, MaterialPlan, Plan, Precision, Scheme};
-use crate::{bodies, checks, laws, outputs, schedule, walls};
+use crate::{bodies, checks, laws, outputs, schedule, substrate, walls};
 
 /// Plans a scene. `base` is the folder that imported files are relative to.
 ///
@@ -45,6 +45,7 @@ impl Builder<'_> {
             Some(gravity) => self.vector(gravity, "gravity"),
             None => Some([0.0; 3]),
         };
+        let gravity = gravity.and_then(|gravity| substrate::tilted(self, gravity));
         let cell = self.cell();
         let materials: Vec<MaterialPlan> = scene
             .materials
@@ -93,10 +94,11 @@ impl Builder<'_> {
                 != composition.reads.and(composition.writes)
         });
         let bodies = bodies::table(&drafts);
+        let substrate = substrate::substrate(self, &drafts, &cell, gravity, scheme);
         let mut plan = Plan {
             title: scene.title.clone(),
             dimensions: self.dimensions,
-            rotation,
+            rotation: rotation || substrate.is_some(),
             ledger: false,
             precision: match scene.precision {
                 PrecisionChoice::Double => Precision::Double,
@@ -108,6 +110,7 @@ impl Builder<'_> {
             materials: materials.clone(),
             bodies,
             walls: walls.clone(),
+            substrate,
             compositions,
             driver: schedule::blank(scheme),
             outputs: Vec::new(),
@@ -312,7 +315,9 @@ impl Builder<'_> {
             Dimensions::Three => (true, "dimensions: 3".to_string()),
         };
         self.decide_one("third dimension", included, why);
-        if plan.rotation {
+        if plan.substrate.is_some() {
+            self.decide_one("rotation", true, "bodies roll on the substrate");
+        } else if plan.rotation {
             self.decide_one("rotation", true, "a law acts on or reads the motion of the contact points");
         } else {
             let spinning = drafts.iter().filter(|draft| draft.spin != [0.0; 3]).count();
@@ -351,6 +356,7 @@ impl Builder<'_> {
             .collect();
         let why = if periodic.is_empty() { "no direction".to_string() } else { periodic.join(", ") };
         self.decide_one("periodic directions", !periodic.is_empty(), why);
+        substrate::decide(self, plan);
         let frozen = drafts.iter().filter(|draft| draft.frozen).count();
         self.decide_one("frozen bodies", frozen > 0, format!("{frozen} of {}", drafts.len()));
     }

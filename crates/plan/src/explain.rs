@@ -215,6 +215,7 @@ fn memory(out: &mut String, plan: &Plan) {
         planar: plan.dimensions == Dimensions::Two,
         rotation: plan.rotation,
         previous_acceleration: plan.driver.scheme == Scheme::VelocityVerlet,
+        surface: plan.substrate.is_some(),
     };
     let width = plan.compositions.iter().map(|composition| composition.history_width).max().unwrap_or(0);
     line(out, format_args!("\nMemory"));

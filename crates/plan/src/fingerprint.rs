@@ -34,6 +34,7 @@ pub fn fingerprint(plan: &Plan) -> String {
     plan.cell.periodic().into_iter().for_each(|periodic| hash.flag(periodic));
     bodies(&mut hash, plan);
     walls(&mut hash, plan);
+    substrate(&mut hash, plan);
     compositions(&mut hash, plan);
     hash.word(match plan.driver.scheme {
         Scheme::VelocityVerlet => 0,
@@ -134,6 +135,31 @@ fn walls(hash: &mut Bytes, plan: &Plan) {
         }
         // The debug text of numbers is the shortest that reads back to the same bits.
         hash.text(&format!("{:?}", wall.wall.motion()));
+    }
+}
+
+/// Adds nothing to plans without a substrate.
+fn substrate(hash: &mut Bytes, plan: &Plan) {
+    let Some(substrate) = &plan.substrate else { return };
+    hash.text("substrate");
+    hash.number(substrate.height);
+    hash.text(&format!("{:?}", substrate.motion));
+    hash.flag(substrate.confined);
+    hash.number(substrate.restitution);
+    for (index, material) in substrate.materials.iter().enumerate() {
+        let Some(material) = material else { continue };
+        hash.word(index as u64);
+        hash.text(material.law.info.name);
+        hash.text(material.law.crate_name);
+        hash.text(material.law.crate_version);
+        hash.word(material.params.form() as u64);
+        for (name, value) in material.params.values() {
+            hash.text(name);
+            hash.number(*value);
+        }
+        for (speed, friction) in &material.rolling_friction {
+            hash.numbers(&[*speed, *friction]);
+        }
     }
 }
 

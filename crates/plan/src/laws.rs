@@ -1,6 +1,6 @@
 //! Laws of the scene, looked up, checked and compiled for the pairs of materials that can meet.
 
-mod check;
+pub(crate) mod check;
 mod meeting;
 
 use std::sync::Arc;

@@ -16,6 +16,7 @@ mod model;
 mod outputs;
 mod schedule;
 mod speed;
+mod substrate;
 mod walls;
 
 pub use build::build;
@@ -24,5 +25,5 @@ pub use fingerprint::fingerprint;
 pub use limits::{Limits, limits};
 pub use model::{
     BodyTable, Composition, Decision, Dimensions, MaterialPlan, OutputKind, OutputPlan, Partner, Plan,
-    Precision, SERIES, Scheme, Search, StagePlan, TimeStepPlan, WallPlan,
+    Precision, SERIES, Scheme, Search, StagePlan, SubstrateMaterial, SubstratePlan, TimeStepPlan, WallPlan,
 };

@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use granule_geometry::{Cell, Wall};
-use granule_law_api::{Columns, ContactEnd, Conventions, LawEntry, PairContext, Params, Slot, Stage};
+use granule_geometry::{Cell, Motion, Wall};
+use granule_law_api::{
+    Columns, ContactEnd, Conventions, LawEntry, PairContext, Params, Slot, Stage, SubstrateEntry,
+    SubstrateStage,
+};
 
 /// Number of space dimensions that exist in the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +111,32 @@ pub struct StagePlan {
     pub double: Arc<dyn Stage<f64>>,
     /// Compiled for single precision; present only if the plan's precision is single.
     pub single: Option<Arc<dyn Stage<f32>>>,
+}
+
+/// How bodies of one material roll and slide.
+pub struct SubstrateMaterial {
+    /// The law.
+    pub law: &'static SubstrateEntry,
+    /// Its parameters, checked.
+    pub params: Params,
+    /// Coefficient of rolling friction by rolling speed \[m/s\]; empty if it is a parameter.
+    pub rolling_friction: Vec<(f64, f64)>,
+    /// Compiled.
+    pub stage: Arc<dyn SubstrateStage>,
+}
+
+/// A surface of constant z that bodies roll and slide on.
+pub struct SubstratePlan {
+    /// z of the surface \[m\].
+    pub height: f64,
+    /// Motion in its own plane.
+    pub motion: Motion,
+    /// Bodies never leave it.
+    pub confined: bool,
+    /// Restitution of a landing.
+    pub restitution: f64,
+    /// By material; `None` where no body that can move is made of it.
+    pub materials: Vec<Option<SubstrateMaterial>>,
 }
 
 /// The other side of a contact.
@@ -260,6 +289,8 @@ pub struct Plan {
     pub bodies: BodyTable,
     /// Walls.
     pub walls: Vec<WallPlan>,
+    /// The surface that bodies roll and slide on.
+    pub substrate: Option<SubstratePlan>,
     /// Compositions of all pairs of materials and walls that can meet.
     pub compositions: Vec<Composition>,
     /// Driver settings.

@@ -53,7 +53,13 @@ pub(crate) fn estimate(setting: &Setting<'_>, scene: &Scene) -> (f64, SpeedReaso
     let start = first + second;
     let wall =
         scene.walls.items.iter().map(|wall| wall_speed(&wall.motion.value, setting)).fold(0.0, f64::max);
-    let gravity = Vector3::from(setting.gravity);
+    let plate = scene.substrate.as_ref().and_then(|substrate| substrate.motion.as_ref());
+    let wall = wall.max(plate.map_or(0.0, |motion| wall_speed(&motion.value, setting)));
+    // A substrate carries the bodies: they fall along it only.
+    let gravity = match &scene.substrate {
+        Some(_) => Vector3::new(setting.gravity[0], setting.gravity[1], 0.0),
+        None => Vector3::from(setting.gravity),
+    };
     let g = gravity.norm();
     let fall = if g > 0.0 { fall(setting, gravity / g) } else { 0.0 };
     // A fall from any height is cut short by the end of the run.

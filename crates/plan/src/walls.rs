@@ -118,11 +118,15 @@ fn along_z(builder: &mut Builder<'_>, axis: Option<&Vector>) -> Option<Vector3<f
     Some(Vector3::new(value(0), value(1), value(2)))
 }
 
-fn good<T>(builder: &mut Builder<'_>, span: &Range<usize>, result: Result<T, GeometryError>) -> Option<T> {
+pub(crate) fn good<T>(
+    builder: &mut Builder<'_>,
+    span: &Range<usize>,
+    result: Result<T, GeometryError>,
+) -> Option<T> {
     result.map_err(|error| builder.error(span.clone(), error.to_string())).ok()
 }
 
-fn motion(builder: &mut Builder<'_>, choice: &Spanned<MotionChoice>) -> Option<Motion> {
+pub(crate) fn motion(builder: &mut Builder<'_>, choice: &Spanned<MotionChoice>) -> Option<Motion> {
     let motion = match &choice.value {
         MotionChoice::Static => Ok(Motion::fixed()),
         MotionChoice::Constant { velocity } => {

@@ -30,6 +30,7 @@ const CHAPTERS: &[(&str, &str, &[&Block])] = &[
          between its rows and rests before the first and after the last.",
         &[&spec::PLANE, &spec::BOX, &spec::CYLINDER, &spec::CONSTANT, &spec::SINUSOIDAL, &spec::ROTATION],
     ),
+    ("Substrate", "", &[&spec::SUBSTRATE]),
     ("Contacts", "", &[&spec::CONTACT, &spec::CONVENTIONS]),
     ("Driver and run", "", &[&spec::TIME_STEP, &spec::AUTO, &spec::RUN]),
     (

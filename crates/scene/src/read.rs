@@ -3,6 +3,7 @@
 mod bodies;
 mod contacts;
 mod run;
+mod substrate;
 mod walls;
 
 use std::ops::Range;
@@ -65,6 +66,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
     let materials = section(r, f.get("materials"), &at, materials);
     let bodies = section(r, f.get("bodies"), &at, bodies::list);
     let walls = section(r, f.get("walls"), &at, walls::map);
+    let surface = r.optional(&f, "substrate", |r, _, node| substrate::block(r, node));
     let contacts = section(r, f.get("contacts"), &at, contacts::list);
     let conventions = r.optional(&f, "conventions", |r, _, node| conventions(r, node));
     let precision = r.optional(&f, "precision", |r, name, node| {
@@ -81,7 +83,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
     Some(Scene {
         title: title.flatten().map_or(String::new(), |title| title.value),
         seed: seed.flatten().map_or(0, |seed| seed.value),
-        complete: dimensions.is_some() && gravity.is_some() && cell.is_some(),
+        complete: dimensions.is_some() && gravity.is_some() && cell.is_some() && surface.is_some(),
         dimensions: dimensions
             .flatten()
             .map_or(Spanned::new(3, at.clone()), |d| Spanned::new(if d.value == 2 { 2 } else { 3 }, d.span)),
@@ -90,6 +92,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
         materials,
         bodies,
         walls,
+        substrate: surface.flatten(),
         contacts,
         conventions: conventions.flatten().unwrap_or(ConventionsBlock { preset: None, changes: Vec::new() }),
         precision: precision.flatten().map_or(PrecisionChoice::Double, |precision| precision.value),

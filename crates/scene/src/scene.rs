@@ -57,6 +57,8 @@ pub struct Scene {
     pub bodies: Section<BodyBlock>,
     /// Walls by name.
     pub walls: Section<WallBlock>,
+    /// The surface that bodies roll and slide on.
+    pub substrate: Option<SubstrateBlock>,
     /// Laws between materials.
     pub contacts: Section<ContactBlock>,
     /// Conventions in which engines differ.
@@ -363,6 +365,30 @@ pub struct WallBlock {
     /// Where the block stands.
     pub span: Range<usize>,
 }
+
+/// The surface that bodies roll and slide on: a plane of constant z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SubstrateBlock {
+    /// z of the surface \[m\].
+    pub height: Option<Spanned<f64>>,
+    /// How it moves.
+    pub motion: Option<Spanned<MotionChoice>>,
+    /// Angle by which it is tilted \[rad\].
+    pub inclination: Option<Spanned<f64>>,
+    /// Bodies never leave it.
+    pub confined: bool,
+    /// Restitution of a landing.
+    pub restitution: Option<Spanned<f64>>,
+    /// Law of each material.
+    pub laws: Vec<(Spanned<String>, LawBlock)>,
+    /// Rolling friction by rolling speed \[m/s\] of a material.
+    pub rolling_friction: Vec<(Spanned<String>, RollingTable)>,
+    /// Where the block stands.
+    pub span: Range<usize>,
+}
+
+/// Rows of rolling speed \[m/s\] and coefficient.
+pub type RollingTable = Vec<(Spanned<f64>, Spanned<f64>)>;
 
 /// A parameter of a law as written.
 #[derive(Clone, Debug, PartialEq)]

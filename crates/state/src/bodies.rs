@@ -11,6 +11,8 @@ pub struct Layout {
     pub rotation: bool,
     /// The scheme remembers the accelerations of the last step.
     pub previous_acceleration: bool,
+    /// Bodies roll and slide on a surface.
+    pub surface: bool,
 }
 
 impl Layout {
@@ -25,7 +27,8 @@ impl Layout {
         let previous = (1 + self.spin_rows() as usize) * self.previous_acceleration as usize;
         let planar_inertia = 8 * (self.planar && self.rotation) as usize;
         // mass, identity, material and the three image counts
-        32 * (rows + previous) + planar_inertia + 8 + 4 + 2 + 12
+        let surface = size_of::<SurfaceRow>() * self.surface as usize;
+        32 * (rows + previous) + surface + planar_inertia + 8 + 4 + 2 + 12
     }
 }
 
@@ -50,6 +53,25 @@ pub struct BodyInput {
     pub spin: [f64; 3],
     /// Never moves: inverse mass and inverse inertia are zero.
     pub frozen: bool,
+}
+
+/// What a body does on a surface, at the time of its position.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceRow {
+    /// Mean force of the surface over the last step \[N\].
+    pub force: [f64; 3],
+    /// Mean torque of the surface over the last step \[N m\].
+    pub torque: [f64; 3],
+    /// Slip of the contact point \[m/s\].
+    pub slip: [f64; 2],
+    /// Velocity of the centre relative to the surface \[m/s\].
+    pub rolling: [f64; 2],
+    /// Velocity of the surface below the body \[m/s\].
+    pub plate: [f64; 2],
+    /// Spin about the normal \[rad/s\].
+    pub drilling: f64,
+    /// What it does, as a number whose meaning is that of the engine.
+    pub footing: u64,
 }
 
 /// All bodies. The order is one of memory locality and changes during a run; `id` is the stable identity.
@@ -80,6 +102,8 @@ pub struct Bodies {
     pub material: Vec<u16>,
     /// How often the body has crossed each periodic boundary.
     pub image: Vec<[i32; 3]>,
+    /// What each body does on the surface; empty without one.
+    pub surface: Vec<SurfaceRow>,
 }
 
 impl Bodies {
@@ -99,6 +123,7 @@ impl Bodies {
             id: Vec::new(),
             material: Vec::new(),
             image: Vec::new(),
+            surface: Vec::new(),
         };
         for body in bodies {
             rows.push(&body);
@@ -133,6 +158,9 @@ impl Bodies {
         self.id.push(body.id);
         self.material.push(body.material);
         self.image.push([0; 3]);
+        if self.layout.surface {
+            self.surface.push(SurfaceRow::default());
+        }
     }
 
     /// Which rows exist.
@@ -222,6 +250,7 @@ impl Bodies {
         gather(&mut self.id, order);
         gather(&mut self.material, order);
         gather(&mut self.image, order);
+        gather(&mut self.surface, order);
     }
 
     /// Places of the bodies in the order of their ids.
@@ -258,14 +287,14 @@ mod tests {
 
     #[test]
     fn only_the_rows_of_the_layout_exist() {
-        let smooth = Layout { planar: false, rotation: false, previous_acceleration: false };
+        let smooth = Layout { planar: false, rotation: false, previous_acceleration: false, surface: false };
         let bodies = Bodies::new(smooth, (1..=3).map(input));
         assert!(
             bodies.spin.is_empty() && bodies.torque.is_empty() && bodies.previous_acceleration.is_empty()
         );
         assert_eq!(bodies.spin_of(0), [0.0; 3]);
         assert!(bodies.is_frozen(1) && !bodies.is_frozen(0));
-        let planar = Layout { planar: true, rotation: true, previous_acceleration: false };
+        let planar = Layout { planar: true, rotation: true, previous_acceleration: false, surface: false };
         let bodies = Bodies::new(planar, (1..=3).map(input));
         assert!(bodies.spin.is_empty());
         assert_eq!(bodies.spin_of(0), [0.0, 0.0, 6.0]);
@@ -275,7 +304,7 @@ mod tests {
 
     #[test]
     fn permuting_keeps_bodies_whole() {
-        let layout = Layout { planar: false, rotation: true, previous_acceleration: true };
+        let layout = Layout { planar: false, rotation: true, previous_acceleration: true, surface: true };
         let mut bodies = Bodies::new(layout, (1..=3).map(input));
         bodies.permute(&[2, 0, 1], &mut Vec::new());
         assert_eq!(bodies.id, [3, 1, 2]);

@@ -9,7 +9,7 @@ mod lanes;
 mod lanes_avx2;
 mod row;
 
-pub use bodies::{Bodies, BodyInput, Layout};
+pub use bodies::{Bodies, BodyInput, Layout, SurfaceRow};
 #[cfg(target_arch = "x86_64")]
 pub use lanes::Avx2;
 pub use lanes::{InstructionSet, Lanes, Number, PACKED, Portable};

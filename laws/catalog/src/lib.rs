@@ -4,6 +4,7 @@
 
 use granule_law_normal_linear as _;
 use granule_law_normal_power as _;
+use granule_law_substrate as _;
 use granule_law_tangential_coulomb as _;
 use granule_law_tangential_spring as _;
 use granule_law_tangential_viscous as _;

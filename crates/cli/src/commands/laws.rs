@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use granule::prelude::{ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot};
+use granule::prelude::{
+    ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot, SubstrateEntry, SubstrateInfo,
+};
 
 use super::Exit;
 use crate::terminal::{self, HEADING, styled, wrap};
@@ -24,6 +26,10 @@ pub fn laws(name: Option<&str>, example_only: bool) -> Exit {
         terminal::out(&table(&registry));
         return Exit::Success;
     };
+    if let Ok(law) = registry.substrate(name) {
+        terminal::out(&if example_only { substrate_example(law.info) } else { substrate_page(law) });
+        return Exit::Success;
+    }
     match registry.get(name) {
         Ok(law) if example_only => terminal::out(&example(law, &registry)),
         Ok(law) => terminal::out(&page(law, &registry)),
@@ -39,21 +45,87 @@ pub fn laws(name: Option<&str>, example_only: bool) -> Exit {
 fn table(registry: &Registry) -> String {
     let entries = registry.entries();
     let name_width = entries.iter().map(|law| law.info.name.len()).max().unwrap_or(0).max(4);
-    let slot_width = entries.iter().map(|law| law.info.slot.name().len()).max().unwrap_or(0).max(4);
+    let slot_width =
+        entries.iter().map(|law| law.info.slot.name().len()).max().unwrap_or(0).max(SUBSTRATE.len());
     let mut out =
         format!("{HEADING}{:name_width$}  {:slot_width$}  what it models{HEADING:#}\n", "law", "slot");
-    for slot in Slot::ALL {
-        for law in entries.iter().filter(|law| law.info.slot == slot) {
+    let contact = Slot::ALL.into_iter().flat_map(|slot| {
+        entries.iter().filter(move |law| law.info.slot == slot).map(move |law| {
             let LawInfo { name, summary, .. } = law.info;
-            let indent = name_width + slot_width + 4;
-            let lines = wrap(summary, WIDTH.saturating_sub(indent));
-            // Writing to a string cannot fail.
-            let _ = write!(out, "{name:name_width$}  {:slot_width$}  ", slot.name());
-            let _ = writeln!(out, "{}", lines.join(&format!("\n{}", " ".repeat(indent))));
-        }
+            (*name, slot.name(), *summary)
+        })
+    });
+    let substrates = registry.substrates().iter().map(|law| (law.info.name, SUBSTRATE, law.info.summary));
+    for (name, slot, summary) in contact.chain(substrates) {
+        let indent = name_width + slot_width + 4;
+        let lines = wrap(summary, WIDTH.saturating_sub(indent));
+        // Writing to a string cannot fail.
+        let _ = write!(out, "{name:name_width$}  {slot:slot_width$}  ");
+        let _ = writeln!(out, "{}", lines.join(&format!("\n{}", " ".repeat(indent))));
     }
     out.push_str("\n`granule laws NAME` shows parameters, formula and sources of a law.\n");
     out
+}
+
+/// Where laws of the substrate stand in the table.
+const SUBSTRATE: &str = "substrate";
+
+/// Everything about one law of the substrate.
+fn substrate_page(law: &SubstrateEntry) -> String {
+    let info = law.info;
+    let mut out = format!(
+        "{} ({SUBSTRATE} law, from {} {})\n",
+        styled(HEADING, info.name),
+        law.crate_name,
+        law.crate_version
+    );
+    paragraph(&mut out, 2, info.summary);
+    heading(&mut out, "Formula");
+    for line in info.formula.lines() {
+        let _ = writeln!(out, "  {line}");
+    }
+    heading(&mut out, "Parameters");
+    for spec in info.parameters {
+        parameter(&mut out, spec);
+    }
+    heading(&mut out, "Ways to give them");
+    for form in info.forms {
+        way(&mut out, form);
+    }
+    heading(&mut out, "Sources");
+    for source in info.sources {
+        let note = if source.note.is_empty() { String::new() } else { format!(": {}", source.note) };
+        paragraph(&mut out, 2, &format!("{}, {}{note}", source.work, source.place));
+    }
+    heading(&mut out, "Example scene");
+    for line in substrate_example(info).lines() {
+        let _ = writeln!(out, "  {line}");
+    }
+    out
+}
+
+/// A sphere that slips at first and then rolls until it rests.
+fn substrate_example(info: &SubstrateInfo) -> String {
+    let law = info.examples.first().map_or(format!("{}()", info.name), |example| {
+        let given: Vec<String> =
+            example.iter().map(|(name, value)| format!("{name}: {}", text::number(*value))).collect();
+        format!("{}({})", info.name, given.join(", "))
+    });
+    format!(
+        "(
+    version: 1,
+    title: \"{}: a sphere slips, rolls and rests\",
+    gravity: (0, 0, -9.81),
+    materials: {{ \"steel\": (density: \"7850 kg/m^3\") }},
+    bodies: [Sphere(material: \"steel\", radius: \"2 mm\", position: (0, 0, \"2 mm\"), velocity: (\"0.1 m/s\", 0, 0))],
+    substrate: (laws: {{ \"steel\": {law} }}),
+    driver: TimeStep(step: \"0.1 ms\"),
+    run: (duration: \"10 s\"),
+    outputs: [Bodies(path: \"sphere.csv\", ids: [1], every: \"10 ms\")],
+)
+",
+        info.name
+    )
 }
 
 /// Everything about one law.
@@ -256,6 +328,15 @@ mod tests {
             let checked = granule::load_text(Path::new("example.ron"), text.clone());
             let problems = checked.err().map(|error| error.to_string());
             assert_eq!(problems, None, "{}\n{text}", law.info.name);
+        }
+        for law in registry.substrates() {
+            let text = substrate_example(law.info);
+            let checked = granule::load_text(Path::new("example.ron"), text.clone());
+            assert_eq!(checked.err().map(|error| error.to_string()), None, "{text}");
+            assert!(
+                table(&registry).contains(law.info.name)
+                    && substrate_page(law).contains(law.info.formula.lines().next().unwrap())
+            );
         }
     }
 }

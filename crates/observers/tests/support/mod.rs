@@ -138,6 +138,7 @@ pub fn plan(bodies: &[Body], stiffness: f64, damping: f64, step: f64, steps: u64
         materials: vec![MaterialPlan { name: "glass".into() }],
         bodies: table,
         walls: Vec::new(),
+        substrate: None,
         compositions: vec![Composition {
             material: 0,
             partner: Partner::Body(0),

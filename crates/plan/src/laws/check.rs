@@ -1,6 +1,6 @@
 //! Laws of one contact block: names, slots, parameters, and whether each finds what it reads.
 
-use granule_law_api::{Columns, ContactEnd, LawEntry, LawError, Params, RegistryError, Slot};
+use granule_law_api::{Columns, ContactEnd, LawEntry, LawError, ParamSpec, Params, RegistryError, Slot};
 use granule_scene::{ContactBlock, ContactEndChoice, LawBlock, ParameterValue, suggestion};
 use granule_units::parse_as;
 
@@ -124,15 +124,34 @@ fn check_law<'s>(builder: &mut Builder<'_>, slot: &str, law: &'s LawBlock) -> Op
         );
         return None;
     }
-    let mut given: Vec<(&'static str, f64)> = Vec::new();
+    let given = given_parameters(builder, law, info.name, info.parameters)?;
+    match Params::new(info, &given) {
+        Ok(params) => Some(Chosen { entry, params, block: law }),
+        Err(errors) => {
+            for error in errors {
+                law_error(builder, law, info.name, &error);
+            }
+            None
+        }
+    }
+}
+
+/// Values of the parameters of a law in SI units; `None` if any is unknown, repeated, unreadable or out of range.
+pub(crate) fn given_parameters(
+    builder: &mut Builder<'_>,
+    law: &LawBlock,
+    name_of_law: &str,
+    parameters: &'static [&'static ParamSpec],
+) -> Option<Vec<(&'static str, f64)>> {
     let mut good = true;
+    let mut given: Vec<(&'static str, f64)> = Vec::new();
     for (index, (name, value)) in law.parameters.iter().enumerate() {
-        let Some(spec) = info.parameters.iter().find(|spec| spec.name == name.value) else {
-            let known: Vec<&str> = info.parameters.iter().map(|spec| spec.name).collect();
+        let Some(spec) = parameters.iter().find(|spec| spec.name == name.value) else {
+            let known: Vec<&str> = parameters.iter().map(|spec| spec.name).collect();
             let help = suggestion("parameters", &name.value, &known);
             builder.error_help(
                 name.span.clone(),
-                format!("{} has no parameter `{}`", info.name, name.value),
+                format!("{} has no parameter `{}`", name_of_law, name.value),
                 help,
             );
             good = false;
@@ -167,18 +186,7 @@ fn check_law<'s>(builder: &mut Builder<'_>, slot: &str, law: &'s LawBlock) -> Op
         }
         given.push((spec.name, number));
     }
-    if !good {
-        return None;
-    }
-    match Params::new(info, &given) {
-        Ok(params) => Some(Chosen { entry, params, block: law }),
-        Err(errors) => {
-            for error in errors {
-                law_error(builder, law, info.name, &error);
-            }
-            None
-        }
-    }
+    good.then_some(given)
 }
 
 fn finite(range: String) -> String {
@@ -186,7 +194,7 @@ fn finite(range: String) -> String {
 }
 
 /// Reports what a law says, at the parameter that it blames.
-pub(super) fn law_error(builder: &mut Builder<'_>, law: &LawBlock, name: &str, error: &LawError) {
+pub(crate) fn law_error(builder: &mut Builder<'_>, law: &LawBlock, name: &str, error: &LawError) {
     let blamed = error
         .parameter
         .as_ref()

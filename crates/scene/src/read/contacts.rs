@@ -43,7 +43,7 @@ fn contact(r: &mut Reader, node: Node<'_>) -> Option<ContactBlock> {
     })
 }
 
-fn law(r: &mut Reader, slot: &str, node: Node<'_>) -> Option<LawBlock> {
+pub(super) fn law(r: &mut Reader, slot: &str, node: Node<'_>) -> Option<LawBlock> {
     let Some((name, span, content)) = node.variant() else {
         r.error(
             node.span(),

@@ -104,7 +104,7 @@ fn cylinder_shape(r: &mut Reader, f: &Fields<'_>) -> Option<WallShape> {
     Some(WallShape::Cylinder { point: point?, axis: axis?, radius: radius?, inside: inside?.unwrap_or(true) })
 }
 
-fn motion(r: &mut Reader, name: &str, node: Node<'_>) -> Option<Spanned<MotionChoice>> {
+pub(super) fn motion(r: &mut Reader, name: &str, node: Node<'_>) -> Option<Spanned<MotionChoice>> {
     let variant = r.variant(name, node, &["Static", "Constant", "Sinusoidal", "Table", "Rotation"])?;
     let span = node.span();
     let motion = match variant.name {
