@@ -39,7 +39,8 @@ fn compare(all: &[String], manifest: &str, library: &str, sources: &[(String, St
         }
         let start = format!("laws/{folder}/src/");
         let of_folder = sources.iter().filter(|(path, _)| path.starts_with(&start));
-        if !of_folder.into_iter().any(|(_, text)| text.contains("register_law!(")) {
+        let registers = |text: &str| REGISTER.iter().any(|call| text.contains(call));
+        if !of_folder.into_iter().any(|(_, text)| registers(text)) {
             problems.push(format!("laws/{folder}: registers no law; call `register_law!(MyLaw);` beside it"));
         }
     }
@@ -69,9 +70,15 @@ fn compare(all: &[String], manifest: &str, library: &str, sources: &[(String, St
     problems
 }
 
+/// Calls that register a law of a contact or of a surface.
+const REGISTER: [&str; 2] = ["register_law!(", "register_substrate_law!("];
+
 /// Types that a source file registers.
 fn registered(text: &str) -> Vec<&str> {
-    let calls = text.lines().filter_map(|line| line.trim().strip_prefix("register_law!("));
+    let calls = text.lines().filter_map(|line| {
+        let line = line.trim();
+        REGISTER.iter().find_map(|call| line.strip_prefix(call))
+    });
     calls.filter_map(|rest| rest.strip_suffix(");")).collect()
 }
 
@@ -112,6 +119,10 @@ mod tests {
         );
         assert!(problem(&all(), MANIFEST, LIBRARY, "").contains("registers no law"));
         assert!(problem(&all()[1..], MANIFEST, LIBRARY, SOURCE).contains("docs/laws/MyLaw.md: is missing"));
+        assert!(
+            problem(&all(), MANIFEST, LIBRARY, "register_substrate_law!(MyLaw);")
+                .contains("under another name")
+        );
         assert!(problem(&all(), MANIFEST, LIBRARY, "register_law!(MyLaw);").contains("under another name"));
         let two = format!("{LIBRARY}use granule_law_gone as _;\n");
         assert!(problem(&all(), MANIFEST, &two, SOURCE).contains("there is no folder laws/gone"));
