@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use granule_validation::{bench, validate};
 
 const USAGE: &str = "usage: granule-validation validate [--out DIR] [--case NAME]... [--record]
-       granule-validation bench [CASE]... [--all] [--list] [--cores N,N..] [--pairs N] [--steps N] [--single] [--out DIR]";
+       granule-validation bench [CASE]... [--all] [--list] [--cores N,N..] [--pairs N] [--steps N] [--single] [--out DIR]
+       granule-validation bench parts [--out DIR]";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -43,6 +44,7 @@ fn validate_with(words: &[String]) -> Result<bool, String> {
 
 fn bench_with(words: &[String]) -> Result<bool, String> {
     let mut options = bench::Options::default();
+    let mut parts = false;
     let mut words = words.iter();
     while let Some(word) = words.next() {
         match word.as_str() {
@@ -65,8 +67,12 @@ fn bench_with(words: &[String]) -> Result<bool, String> {
             option if option.starts_with('-') => {
                 return Err(format!("`{option}` is not an option\n{USAGE}"));
             }
+            "parts" => parts = true,
             name => options.words.push(name.to_string()),
         }
+    }
+    if parts {
+        return bench::parts(&options.out).map(|()| true);
     }
     bench::bench(&options).map(|_| true)
 }

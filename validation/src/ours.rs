@@ -50,7 +50,10 @@ impl SceneFile {
             for (axis, count) in copies.into_iter().enumerate() {
                 let lo = cell.lo.components[axis].value;
                 let hi = &mut cell.hi.components[axis].value;
-                *hi = lo + count as f64 * (*hi - lo);
+                // An endless cell stays as it is.
+                if count > 1 && hi.is_finite() {
+                    *hi = lo + count as f64 * (*hi - lo);
+                }
             }
         }
         self

@@ -24,6 +24,7 @@ cargo xtask <task>
                  --cores  numbers of cores (default: 1 and all)
                  --pairs  rounds of ours and each engine (default 5)
                  --single our laws in single precision
+               `bench parts` counts the instructions of a step by source file (needs valgrind)
   new-law SLOT/NAME [--external DIR]
                write a new law crate: in laws/, or with --external a crate and a program of its own in DIR
   pages        rewrite the generated pages of docs/

@@ -25,6 +25,9 @@ const POURED: Recipe = Recipe::Poured("settled-pour");
 
 const CHUTE: Recipe = Recipe::Chute { pour: "chute-pour", flow: "chute-flow", bed: 912, mobile: 31_088 };
 
+const POLY: Recipe = Recipe::Poured("poly-4-pour");
+const BOULDER: Recipe = Recipe::Laid { pour: "bed-pour", copies: [6, 6], then: "poly-100-settle" };
+
 const fn settled(name: &'static str, scene: &'static str, copies: [usize; 2], quick: bool) -> Case {
     Case { name, scene, recipe: POURED, copies, quick, peers: true, size_classes: &[] }
 }
@@ -43,6 +46,19 @@ pub const CASES: &[Case] = &[
     Case { recipe: CHUTE, ..settled("chute-32k", "chute", [1, 1], true) },
     Case { recipe: CHUTE, ..settled("chute-512k", "chute", [4, 4], false) },
     Case { recipe: Recipe::Own, ..settled("gas-100k", "gas", [1, 1], true) },
+    Case { size_classes: &[1.0, 2.0], recipe: POLY, ..settled("poly-4-10k", "poly-4", [1, 1], true) },
+    Case { size_classes: &[1.0, 2.0], recipe: POLY, ..settled("poly-4-100k", "poly-4", [5, 2], false) },
+    Case { recipe: Recipe::Poured("bed-pour"), ..settled("bed-130k", "bed", [6, 6], false) },
+    Case {
+        size_classes: &[1.0, 100.0],
+        recipe: BOULDER,
+        ..settled("poly-100-130k", "poly-100", [6, 6], false)
+    },
+    Case {
+        recipe: Recipe::Poured("bed-pour"),
+        peers: false,
+        ..settled("poly-1000-130k", "poly-1000", [6, 6], false)
+    },
 ];
 
 /// The cases that are asked for: those whose name contains one of `words`; without words the quick ones, or all.

@@ -6,6 +6,8 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use granule_drivers::{Driver, TimeStepDriver};
+use granule_formats::Provenance;
+use granule_observers::{Observer, VtkSeries};
 use serde::{Deserialize, Serialize};
 
 use crate::ours::SceneFile;
@@ -28,6 +30,8 @@ pub struct Job {
     pub warm_up: u64,
     /// Steps that are timed.
     pub steps: u64,
+    /// Writes VTK files at the end, to time that.
+    pub vtp: bool,
 }
 
 /// What one run of ours shows.
@@ -49,6 +53,8 @@ pub struct Measured {
     pub working_bytes: f64,
     /// Largest resident memory of the whole process until the end, if the system tells \[bytes\].
     pub peak_bytes: Option<u64>,
+    /// Seconds until a `.vtp` file of all bodies is on the disk, raw and compressed, if that was asked for.
+    pub vtp_seconds: Option<[f64; 2]>,
     /// Bytes that a step must move a body.
     pub moved_per_body: f64,
     /// Hash of the last positions, velocities and spins.
@@ -128,9 +134,27 @@ pub fn run(job: &Job) -> Result<Measured, String> {
         contacts: pairs + walls,
         working_bytes: (engine.bodies().layout().bytes_per_body() * n + engine.list_bytes()) as f64,
         peak_bytes,
+        vtp_seconds: if job.vtp {
+            Some([write_vtp(&driver, false)?, write_vtp(&driver, true)?])
+        } else {
+            None
+        },
         moved_per_body: moved(plan.rotation, width, (pairs + walls) / n as f64),
         hash: format!("{:016x}", driver.result_hash()),
     })
+}
+
+/// Seconds to write a `.vtp` file.
+fn write_vtp(driver: &TimeStepDriver, compressed: bool) -> Result<f64, String> {
+    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let provenance =
+        Provenance::new(env!("CARGO_PKG_VERSION"), driver.engine().plan().fingerprint.as_str(), 0)?;
+    let mut series = VtkSeries::new(&folder.path().join("bodies"), compressed, provenance);
+    let begin = Instant::now();
+    let view = driver.view();
+    series.start(&view).and_then(|()| series.observe(&view)).map_err(|error| error.to_string())?;
+    series.finish().map_err(|error| error.to_string())?;
+    Ok(begin.elapsed().as_secs_f64())
 }
 
 /// Bytes that a step must move a body: rows of 32 bytes (position, velocity and force; spin and torque if they exist) are

@@ -5,6 +5,7 @@ mod child;
 mod machine;
 mod measure;
 mod page;
+mod parts;
 mod states;
 
 use std::path::{Path, PathBuf};
@@ -15,6 +16,7 @@ pub use cases::{CASES, Case, selected};
 pub use child::{Job, Measured, run};
 pub use machine::copy_bandwidth;
 pub use measure::{Detail, PeerDetail, measure};
+pub use parts::parts;
 pub use states::{Recipe, prepare};
 
 /// What to run.

@@ -98,7 +98,9 @@ fn runs(details: &Details) -> Table {
         ">forces",
         ">integration",
         ">working bytes a body",
+        ">ns a contact",
         ">start [s]",
+        ">.vtp, raw and compressed [s]",
         "peers",
         ">peak bytes a body",
     ]);
@@ -122,7 +124,14 @@ fn runs(details: &Details) -> Table {
             share(1),
             share(2),
             Cell::text(format!("{:.0}", detail.ours.working_bytes / detail.n as f64)),
+            Cell::text(format!(
+                "{:.1}",
+                1e9 * detail.ours.seconds / (detail.steps as f64 * detail.ours.contacts)
+            )),
             Cell::text(format!("{:.2}", detail.ours.start_seconds)),
+            Cell::text(
+                detail.ours.vtp_seconds.map_or(String::new(), |[raw, zlib]| format!("{raw:.2}, {zlib:.2}")),
+            ),
             Cell::text(peers.join("; ")),
             // Of several ranks only one is seen, which says nothing.
             Cell::text(if detail.cores == 1 { peaks.join("; ") } else { String::new() }),

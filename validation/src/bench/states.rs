@@ -21,6 +21,15 @@ pub enum Recipe {
     Own,
     /// The last state of another scene of the benchmark.
     Poured(&'static str),
+    /// The last state of a scene that starts from copies of another one's last state, with bodies of its own.
+    Laid {
+        /// The scene that pours.
+        pour: &'static str,
+        /// Copies of what it has poured.
+        copies: [usize; 2],
+        /// The scene that goes on.
+        then: &'static str,
+    },
     /// A chute: a slice of a poured packing is frozen as a rough bed, what was above flows for a while.
     Chute {
         /// The scene that pours.
@@ -47,19 +56,29 @@ pub fn scenes() -> PathBuf {
 pub fn prepare(recipe: Recipe, copies: [usize; 2], cache: &Path) -> Result<Option<PathBuf>, String> {
     let single = match recipe {
         Recipe::Own => return Ok(None),
-        Recipe::Poured(scene) => poured(scene, None, cache)?,
+        Recipe::Poured(scene) => poured(scene, None, [1, 1], cache)?,
+        Recipe::Laid { pour, copies, then } => {
+            let below = poured(pour, None, [1, 1], cache)?;
+            poured(then, Some(&repeated(&below, copies, cache)?), copies, cache)?
+        }
         Recipe::Chute { pour, flow, bed, mobile } => {
-            let packing = poured(pour, None, cache)?;
+            let packing = poured(pour, None, [1, 1], cache)?;
             let name = format!("{}-bed", folder_name(&packing));
             let sliced = made(cache, &name, || Ok((sliced(&read(&packing)?, bed, mobile)?, name.clone())))?;
-            poured(flow, Some(&sliced), cache)?
+            poured(flow, Some(&sliced), [1, 1], cache)?
         }
     };
+    // A laid state has its copies already.
+    let more = if matches!(recipe, Recipe::Laid { .. }) { [1, 1] } else { copies };
+    repeated(&single, more, cache).map(Some)
+}
+
+fn repeated(single: &Path, copies: [usize; 2], cache: &Path) -> Result<PathBuf, String> {
     if copies == [1, 1] {
-        return Ok(Some(single));
+        return Ok(single.to_path_buf());
     }
-    let name = format!("{}-{}x{}", folder_name(&single), copies[0], copies[1]);
-    made(cache, &name, || Ok((copied(&read(&single)?, copies), name.clone()))).map(Some)
+    let name = format!("{}-{}x{}", folder_name(single), copies[0], copies[1]);
+    made(cache, &name, || Ok((copied(&read(single)?, copies), name.clone())))
 }
 
 fn folder_name(folder: &Path) -> String {
@@ -89,9 +108,9 @@ fn made(
 }
 
 /// The last state of a scene that starts from the bodies in `base`, if it imports any.
-fn poured(name: &str, base: Option<&Path>, cache: &Path) -> Result<PathBuf, String> {
+fn poured(name: &str, base: Option<&Path>, copies: [usize; 2], cache: &Path) -> Result<PathBuf, String> {
     let scene = scenes().join(name).join("scene.ron");
-    let mut scene = SceneFile::read(&scene)?;
+    let mut scene = SceneFile::read(&scene)?.repeated(copies);
     if let Some(base) = base {
         scene = scene.in_folder(base);
     }

@@ -118,7 +118,13 @@ pub(super) fn tail(scene: &PeerScene, dump_format: &str, freeze: &str) -> String
         text.push_str("fix i all nve/sphere\n");
     } else {
         match frozen_kinds(scene) {
-            Some(kinds) => put(&mut text, format_args!("group frozen type {}\n", kinds.join(" "))),
+            Some(kinds) => put(
+                &mut text,
+                format_args!(
+                    "group frozen type {}\nneigh_modify exclude group frozen frozen\n",
+                    kinds.join(" ")
+                ),
+            ),
             None => {
                 // A later `group ... id` adds to the group.
                 for ids in scene.frozen.chunks(16) {

@@ -1,6 +1,6 @@
 //! What both engines must be told, and nothing else: SI units throughout.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{PeerError, Quantity};
 
@@ -434,12 +434,20 @@ impl PeerScene {
 
     fn check_laws(&self) -> Result<Engine, PeerError> {
         let kinds = self.body_kinds();
+        let frozen: BTreeSet<u64> = self.frozen.iter().copied().collect();
+        let mobile: BTreeSet<usize> =
+            self.bodies.iter().filter(|body| !frozen.contains(&body.id)).map(|body| body.kind).collect();
         for (position, i) in kinds.iter().enumerate() {
-            let partners = kinds[position..].iter().copied().chain(self.walls.iter().map(|wall| wall.kind));
+            // Bodies that never move need no law among themselves, nor at a wall.
+            let walls = self.walls.iter().map(|wall| wall.kind).filter(|_| mobile.contains(i));
+            let bodies = kinds[position..].iter().copied();
+            let bodies = bodies.filter(|j| mobile.contains(i) || mobile.contains(j) || j == i);
+            let partners = bodies.chain(walls);
             for (rank, j) in partners.enumerate() {
                 // The first partner is the type itself; a single body of it never meets another one.
+                let still = rank == 0 && !mobile.contains(i);
                 let alone = rank == 0 && self.bodies.iter().filter(|body| body.kind == *i).count() == 1;
-                if !alone && self.law(*i, j).is_none() {
+                if !alone && !still && self.law(*i, j).is_none() {
                     return Err(PeerError::Scene(format!("types {i} and {j} can meet but have no law")));
                 }
             }
