@@ -13,6 +13,7 @@ use granule_scene::{ConventionsBlock, PrecisionChoice, Scene, Spanned};
 use crate::peers::Frame;
 
 /// A scene of the validation, read and ready to be planned under different conventions.
+#[derive(Clone)]
 pub struct SceneFile {
     path: PathBuf,
     base: PathBuf,
@@ -42,6 +43,14 @@ impl SceneFile {
     pub fn in_folder(mut self, folder: &Path) -> Self {
         self.base = folder.to_path_buf();
         self
+    }
+
+    /// The same scene with another seed.
+    #[must_use]
+    pub fn with_seed(&self, seed: u64) -> Self {
+        let mut scene = self.clone();
+        scene.scene.seed = seed;
+        scene
     }
 
     /// The scene in a cell that is so many times as long in x and y; the bodies have to be there.
@@ -102,11 +111,19 @@ impl SceneFile {
 /// # Errors
 /// The run stops, with the reason.
 pub fn frames(plan: &Arc<Plan>, every: u64, threads: usize) -> Result<Vec<Frame>, String> {
+    frames_until(plan, plan.driver.steps, every, threads)
+}
+
+/// The same over the first steps only, up to `last`.
+///
+/// # Errors
+/// The run stops, with the reason.
+pub fn frames_until(plan: &Arc<Plan>, last: u64, every: u64, threads: usize) -> Result<Vec<Frame>, String> {
     let mut driver = TimeStepDriver::new(plan.clone(), Some(threads)).map_err(|error| error.to_string())?;
     let stop = AtomicBool::new(false);
     let mut frames = vec![frame(&driver)];
     let mut step = every;
-    while step <= plan.driver.steps {
+    while step <= last {
         driver.advance(step, &stop).map_err(|error| error.to_string())?;
         frames.push(frame(&driver));
         step += every;

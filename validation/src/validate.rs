@@ -5,8 +5,8 @@
 
 use std::path::{Path, PathBuf};
 
-use granule_report::verdict::Report;
-use granule_report::{Block, Cell, Document, Status, Table};
+use granule_report::verdict::{Case as Verdict, Report};
+use granule_report::{Block, Cell, Document, Status, Table, format_number};
 use rayon::prelude::*;
 
 use crate::peers::{Engine, find_binary};
@@ -67,13 +67,18 @@ pub fn validate(options: &Options) -> Result<bool, String> {
     }
     for (name, run) in pile::CASES.iter().filter(|(name, _)| wanted(name)) {
         println!("\n{name} ...");
-        let many = run(&work.join(name), options.record)?;
+        let many = run(&work.join(name), options.record).unwrap_or_else(|why| {
+            let mut verdict =
+                Verdict::judged(*name, "could not be compared", f64::NAN, 0.0).with_engine("none", "", false);
+            verdict.extras.remarks.push(why);
+            vec![verdict]
+        });
         for verdict in &many {
             println!(
-                "{}  {:.2e} (at most {:.0e})  {}: {}",
+                "{}  {} (at most {})  {}: {}",
                 if verdict.pass { "pass" } else { "FAIL" },
-                verdict.max_scaled_difference,
-                verdict.tolerance,
+                format_number(verdict.max_scaled_difference, 3),
+                format_number(verdict.tolerance, 2),
                 verdict.engine,
                 verdict.name,
             );
@@ -85,8 +90,11 @@ pub fn validate(options: &Options) -> Result<bool, String> {
     println!();
     for verdict in report.cases.iter().filter(|verdict| !verdict.pass) {
         println!(
-            "FAIL {}: {:.2e}, at most {:.2e}: {}",
-            verdict.name, verdict.max_scaled_difference, verdict.tolerance, verdict.quantity
+            "FAIL {}: {}, at most {}: {}",
+            verdict.name,
+            format_number(verdict.max_scaled_difference, 3),
+            format_number(verdict.tolerance, 3),
+            verdict.quantity
         );
         for remark in &verdict.extras.remarks {
             println!("     {remark}");

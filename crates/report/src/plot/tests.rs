@@ -53,9 +53,11 @@ fn curves_are_exact_to_a_hundredth_of_a_pixel() {
     let (left, top) = (number(&inner, "x"), number(&inner, "y"));
     let (width, height) = (number(&inner, "width"), number(&inner, "height"));
     let points = path(&svg, "sin");
-    assert_eq!(points.len(), 500);
-    for (k, (px_x, px_y)) in points.iter().enumerate() {
-        let x = k as f64 * 0.01;
+    // Points on straight pieces are left out; the ends stay.
+    assert!((40..=500).contains(&points.len()), "{}", points.len());
+    assert!(points[points.len() - 1].0 > left + width * 4.98 / 5.0);
+    for (px_x, px_y) in &points {
+        let x = ((px_x - left) / width * 500.0).round() * 0.01;
         // Point and frame are each rounded to 0.01 px: at most half of that, three times over.
         assert!((px_x - (left + width * x / 5.0)).abs() < 0.015 + 1e-9);
         assert!((px_y - (top + height * (1.0 - x.sin()) / 2.0)).abs() < 0.015 + 1e-9);
