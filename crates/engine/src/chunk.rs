@@ -9,7 +9,7 @@ use crate::tally::Tally;
 
 /// Contacts per batch. A fraction of the largest chunk that laws must accept: the columns of a batch then stay in the
 /// first level cache.
-pub(crate) const BATCH: usize = 64;
+pub(crate) const BATCH: usize = 128;
 
 /// One number for each contact of a batch.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +67,9 @@ pub(crate) struct Batch<T> {
     pub pair: Column<u32>,
     /// Place of body i within the tile.
     pub i: Column<u32>,
-    /// Where the force on j goes (see [`Tile::targets`](crate::tile::Tile::targets)); the wall.
+    /// Place of body j among all bodies.
+    pub j: Column<u32>,
+    /// Where the force on j goes (see [`ForceList`](crate::list::ForceList)); the wall.
     pub to: Column<u32>,
     /// Lever arms of the torque \[m\].
     pub arm: [Column<f64>; 2],
@@ -100,6 +102,7 @@ impl<T: Real> Batch<T> {
             touching_distance: double,
             pair: index,
             i: index,
+            j: index,
             to: index,
             arm: [double; 2],
             relative_spin: [scalar; 3],
@@ -124,8 +127,22 @@ impl<T: Real> Batch<T> {
     pub fn close(&mut self, count: usize) {
         self.count = count;
         for k in count..count.next_multiple_of(4).min(BATCH) {
-            self.pair[k] = self.pair[0];
+            (self.pair[k], self.i[k]) = (self.pair[0], self.i[0]);
+            (self.j[k], self.to[k]) = (self.j[0], self.to[0]);
         }
+    }
+
+    /// The largest number of a column of indices; those that fill the last group up count, too.
+    #[inline(always)]
+    pub fn largest(&self, column: &Column<u32>) -> u32 {
+        let mut largest = [0; 4];
+        for g in 0..self.groups() {
+            let four = column.four(g);
+            for lane in 0..4 {
+                largest[lane] = largest[lane].max(four[lane]);
+            }
+        }
+        largest[0].max(largest[1]).max(largest[2]).max(largest[3])
     }
 
     /// Number of contacts, in a form from which the compiler sees that no column is left.

@@ -1,97 +1,90 @@
 //! From rows of bodies to columns of contacts, four contacts at a time.
+#![expect(unsafe_code, reason = "rows are read without comparing each index with the number of rows")]
 
 use granule_law_api::Columns;
 use granule_plan::Composition;
-use granule_state::{Lanes, PACKED, Row};
+use granule_state::{Lanes, Row};
 
 use crate::chunk::{BATCH, Batch, share};
 use crate::level::Arithmetic;
+use crate::list::View;
 use crate::prefetch::prefetch;
 use crate::space::Space;
-use crate::tile::{Evaluation, Pair};
-
-/// How many pairs ahead the position of a second body is fetched.
-const AHEAD: usize = 24;
+use crate::tile::Evaluation;
 
 /// Number of bits of a mask of four.
 const BITS: [u8; 16] = [0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4];
 
-/// Fills a batch with those of `pairs` from `next` on that touch; returns where to go on. `own` are the positions of the
-/// bodies i.
+/// One row.
+///
+/// # Safety
+/// `place` is less than the number of rows.
+#[inline(always)]
+unsafe fn row<L: Lanes>(rows: &[Row], place: usize) -> L {
+    // SAFETY: the caller keeps the index below the length. Builds with debug assertions check it.
+    L::load(unsafe { &rows.get_unchecked(place).0 })
+}
+
+/// Fills a batch with those pairs from `next` up to `end` that touch; returns where to go on.
 #[inline(always)]
 pub(crate) fn find_contacts<T: Arithmetic, L: Lanes>(
     batch: &mut Batch<T>,
-    pairs: &[Pair],
+    list: &View<'_>,
     next: usize,
-    own: &[Row],
+    end: usize,
     at: &Evaluation<'_>,
     reach: f64,
 ) -> usize {
-    let position = at.bodies.position;
     let reach = L::splat(reach);
     let mut count = 0;
     let mut index = next;
-    while count <= BATCH - 4 && index < pairs.len() {
-        let rest = &pairs[index..];
-        let mut group = [rest[0]; 4];
-        let listed = match rest.first_chunk::<4>() {
-            Some(four) => {
-                group = *four;
-                15
-            }
-            None => {
-                group[..rest.len()].copy_from_slice(rest);
-                (1 << rest.len()) - 1
-            }
+    while count <= BATCH - 4 && index < end {
+        let Some(four) = list.four_from(index) else { break };
+        for j in four.ahead {
+            prefetch(list.position.all, *j as usize);
+        }
+        for j in four.j {
+            prefetch(list.velocity.all, *j as usize);
+            prefetch(list.spin.all, *j as usize);
+        }
+        let separation = |lane: usize| -> L {
+            let (i_image, j) = (four.i_image[lane] as usize, four.j[lane] as usize);
+            // SAFETY: the rows of a list have its i and j.
+            let (a, b): (L, L) = unsafe { (row(list.position.own, i_image >> 5), row(list.position.all, j)) };
+            a - b.flip_last() - L::load(&at.shifts[i_image & 31].0)
         };
-        if let Some(ahead) = rest.get(AHEAD..AHEAD + 4) {
-            for pair in ahead {
-                prefetch(position, pair.j as usize);
-            }
-        }
-        for pair in &group {
-            prefetch(at.bodies.velocity, pair.j as usize);
-            prefetch(at.bodies.spin, pair.j as usize);
-        }
-        let rows = [
-            separation::<L>(&group[0], own, at),
-            separation(&group[1], own, at),
-            separation(&group[2], own, at),
-            separation(&group[3], own, at),
-        ];
+        // Separations of the centres, with the sums of the radii behind them.
+        let rows = [separation(0), separation(1), separation(2), separation(3)];
         let [x, y, z, touching] = L::transpose(rows);
         let squared = x * x + y * y + z * z;
         let limit = touching + reach;
+        let listed = if end - index < 4 { (1 << (end - index)) - 1 } else { 15 };
         let mask = squared.less(limit * limit) & listed;
         // Those that touch are packed to the front and the rest is overwritten by the next group: no branch to mispredict.
-        x.pack(mask).store(batch.separation[0].four_at(count));
-        y.pack(mask).store(batch.separation[1].four_at(count));
-        z.pack(mask).store(batch.separation[2].four_at(count));
-        squared.pack(mask).store(batch.distance_squared.four_at(count));
-        touching.pack(mask).store(batch.touching_distance.four_at(count));
-        *batch.pair.four_at(count) = PACKED[mask].map(|lane| index as u32 + u32::from(lane));
+        let packing = L::packing(mask);
+        x.pack(packing).store(batch.separation[0].four_at(count));
+        y.pack(packing).store(batch.separation[1].four_at(count));
+        z.pack(packing).store(batch.separation[2].four_at(count));
+        squared.pack(packing).store(batch.distance_squared.four_at(count));
+        touching.pack(packing).store(batch.touching_distance.four_at(count));
+        let number = index as u32;
+        let numbers = [number, number + 1, number + 2, number + 3];
+        *batch.pair.four_at(count) = L::pack_indices(&numbers, packing);
+        *batch.i.four_at(count) = L::pack_indices(four.i_image, packing).map(|code| code >> 5);
+        *batch.j.four_at(count) = L::pack_indices(four.j, packing);
+        *batch.to.four_at(count) = L::pack_indices(four.to, packing);
         count += usize::from(BITS[mask]);
         index += 4;
     }
     batch.close(count);
-    index.min(pairs.len())
-}
-
-/// Separation of the centres, and the sum of the radii behind it.
-#[inline(always)]
-fn separation<L: Lanes>(pair: &Pair, own: &[Row], at: &Evaluation<'_>) -> L {
-    let a = L::load(&own[pair.place()].0);
-    let b = L::load(&at.bodies.position[pair.j as usize].0);
-    a - b.flip_last() - L::load(&at.shifts[pair.image()].0)
+    index.min(end)
 }
 
 /// Normals, overlaps, relative velocities, masses, radii and lever arms of the contacts of a batch.
 #[inline(always)]
 pub(crate) fn gather_kinematics<S: Space, T: Arithmetic, L: Lanes>(
     batch: &mut Batch<T>,
-    pairs: &[Pair],
-    targets: &[u32],
-    own: std::ops::Range<usize>,
+    list: &View<'_>,
     at: &Evaluation<'_>,
     composition: &Composition,
 ) {
@@ -105,28 +98,10 @@ pub(crate) fn gather_kinematics<S: Space, T: Arithmetic, L: Lanes>(
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let same_mass = context.reduced_mass.is_single().then(|| L::splat(context.reduced_mass.max));
     let same_radius = context.reduced_radius.is_single().then(|| L::splat(context.reduced_radius.max));
-    let bodies = at.bodies;
-    let own_velocity = &bodies.velocity[own.clone()];
-    let own_position = &bodies.position[own.clone()];
+    assert!((batch.largest(&batch.i) as usize) < list.position.own.len(), "a batch has bodies of the tile");
+    assert!((batch.largest(&batch.j) as usize) < list.position.all.len(), "a batch has bodies of the run");
     for g in 0..batch.groups() {
-        let numbers = batch.pair.four(g);
-        let group = [
-            pairs[numbers[0] as usize],
-            pairs[numbers[1] as usize],
-            pairs[numbers[2] as usize],
-            pairs[numbers[3] as usize],
-        ];
-        let to = [
-            targets[numbers[0] as usize],
-            targets[numbers[1] as usize],
-            targets[numbers[2] as usize],
-            targets[numbers[3] as usize],
-        ];
-        let i = group.map(|pair| pair.place());
-        let j = group.map(|pair| pair.j as usize);
-        *batch.i.four_mut(g) = i.map(|place| place as u32);
-        *batch.to.four_mut(g) = to;
-
+        let (i, j) = (batch.i.four(g).map(|i| i as usize), batch.j.four(g).map(|j| j as usize));
         // Coincident centres get the x direction as normal: any choice is as good, and this one keeps action and
         // reaction opposite and the run reproducible.
         let squared = L::load(batch.distance_squared.four(g));
@@ -144,12 +119,10 @@ pub(crate) fn gather_kinematics<S: Space, T: Arithmetic, L: Lanes>(
             T::store(n[axis], batch.normal[axis].four_mut(g));
         }
 
-        let rows = [
-            relative::<L>(&own_velocity[i[0]], &bodies.velocity[j[0]]),
-            relative(&own_velocity[i[1]], &bodies.velocity[j[1]]),
-            relative(&own_velocity[i[2]], &bodies.velocity[j[2]]),
-            relative(&own_velocity[i[3]], &bodies.velocity[j[3]]),
-        ];
+        // SAFETY: all i and j were compared above with the number of rows, which is the same for all columns of a list.
+        let relative =
+            |i, j| unsafe { row::<L>(list.velocity.own, i) - row::<L>(list.velocity.all, j).flip_last() };
+        let rows = [relative(i[0], j[0]), relative(i[1], j[1]), relative(i[2], j[2]), relative(i[3], j[3])];
         let [vx, vy, third, inverse_mass] = L::transpose(rows);
         let v = [vx, vy, if S::PLANAR { zero } else { third }];
         let along = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
@@ -165,7 +138,7 @@ pub(crate) fn gather_kinematics<S: Space, T: Arithmetic, L: Lanes>(
 
         let (radius_i, radius_j) = match at.radius {
             Some(radius) => (L::splat(radius), L::splat(radius)),
-            None => (last_of::<L>(own_position, i), last_of::<L>(bodies.position, j)),
+            None => (nth_of::<L, 3>(list.position.own, i), nth_of::<L, 3>(list.position.all, j)),
         };
         if with_radius {
             let radius = match same_radius {
@@ -184,11 +157,15 @@ pub(crate) fn gather_kinematics<S: Space, T: Arithmetic, L: Lanes>(
                 let (arm_i, arm_j) = (radius_i - shortening, radius_j - shortening);
                 let relative_spin;
                 (surface, relative_spin) = if S::PLANAR {
-                    let (wi, wj) = (third_of::<L>(own_velocity, i), third_of::<L>(bodies.velocity, j));
+                    let (wi, wj) =
+                        (nth_of::<L, 2>(list.velocity.own, i), nth_of::<L, 2>(list.velocity.all, j));
                     ([zero, zero, arm_i * wi + arm_j * wj], [zero, zero, wi - wj])
                 } else {
-                    let own_spin = &bodies.spin[own.clone()];
-                    surface_and_spin(own_spin, bodies.spin, i, j, arm_i, arm_j, spins)
+                    // Three-dimensional rotation has spin rows.
+                    assert_eq!(list.spin.all.len(), list.position.all.len());
+                    // SAFETY: as for the velocities.
+                    let (wi, wj) = unsafe { (four::<L>(list.spin.own, i), four::<L>(list.spin.all, j)) };
+                    surface_and_spin(wi, wj, arm_i, arm_j, spins)
                 };
                 if spins {
                     for axis in 0..3 {
@@ -211,54 +188,36 @@ pub(crate) fn gather_kinematics<S: Space, T: Arithmetic, L: Lanes>(
     }
 }
 
-/// Difference of two vectors, and the sum of the numbers behind them.
+/// Four rows.
+///
+/// # Safety
+/// All of `at` are less than the number of rows.
 #[inline(always)]
-fn relative<L: Lanes>(a: &Row, b: &Row) -> L {
-    L::load(&a.0) - L::load(&b.0).flip_last()
+unsafe fn four<L: Lanes>(rows: &[Row], at: [usize; 4]) -> [L; 4] {
+    // SAFETY: that is what the caller promises.
+    unsafe { [row(rows, at[0]), row(rows, at[1]), row(rows, at[2]), row(rows, at[3])] }
 }
 
-/// Last numbers of four rows.
+/// Numbers of the same place in four rows.
 #[inline(always)]
-fn last_of<L: Lanes>(rows: &[Row], at: [usize; 4]) -> L {
-    L::load(&[rows[at[0]][3], rows[at[1]][3], rows[at[2]][3], rows[at[3]][3]])
-}
-
-/// Third numbers of four rows.
-#[inline(always)]
-fn third_of<L: Lanes>(rows: &[Row], at: [usize; 4]) -> L {
-    L::load(&[rows[at[0]][2], rows[at[1]][2], rows[at[2]][2], rows[at[3]][2]])
+fn nth_of<L: Lanes, const N: usize>(rows: &[Row], at: [usize; 4]) -> L {
+    L::load(&[rows[at[0]][N], rows[at[1]][N], rows[at[2]][N], rows[at[3]][N]])
 }
 
 /// a_i ω_i + a_j ω_j, and ω_i - ω_j if wanted. The sum is made of rows: one transposition instead of two.
 #[inline(always)]
-fn surface_and_spin<L: Lanes>(
-    own_spin: &[Row],
-    spin: &[Row],
-    i: [usize; 4],
-    j: [usize; 4],
-    arm_i: L,
-    arm_j: L,
-    spins: bool,
-) -> ([L; 3], [L; 3]) {
+fn surface_and_spin<L: Lanes>(a: [L; 4], b: [L; 4], arm_i: L, arm_j: L, spins: bool) -> ([L; 3], [L; 3]) {
     let (mut arms_i, mut arms_j) = ([0.0; 4], [0.0; 4]);
     arm_i.store(&mut arms_i);
     arm_j.store(&mut arms_j);
-    let [a0, a1, a2, a3] = [
-        L::load(&own_spin[i[0]].0),
-        L::load(&own_spin[i[1]].0),
-        L::load(&own_spin[i[2]].0),
-        L::load(&own_spin[i[3]].0),
-    ];
-    let [b0, b1, b2, b3] =
-        [L::load(&spin[j[0]].0), L::load(&spin[j[1]].0), L::load(&spin[j[2]].0), L::load(&spin[j[3]].0)];
     let [x, y, z, _] = L::transpose([
-        L::splat(arms_i[0]) * a0 + L::splat(arms_j[0]) * b0,
-        L::splat(arms_i[1]) * a1 + L::splat(arms_j[1]) * b1,
-        L::splat(arms_i[2]) * a2 + L::splat(arms_j[2]) * b2,
-        L::splat(arms_i[3]) * a3 + L::splat(arms_j[3]) * b3,
+        L::splat(arms_i[0]) * a[0] + L::splat(arms_j[0]) * b[0],
+        L::splat(arms_i[1]) * a[1] + L::splat(arms_j[1]) * b[1],
+        L::splat(arms_i[2]) * a[2] + L::splat(arms_j[2]) * b[2],
+        L::splat(arms_i[3]) * a[3] + L::splat(arms_j[3]) * b[3],
     ]);
     let relative = if spins {
-        let [x, y, z, _] = L::transpose([a0 - b0, a1 - b1, a2 - b2, a3 - b3]);
+        let [x, y, z, _] = L::transpose([a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]);
         [x, y, z]
     } else {
         [L::splat(0.0); 3]

@@ -1,4 +1,8 @@
 //! History of contacts in a list of pairs, and its transfer from list to list.
+#![expect(
+    unsafe_code,
+    reason = "rows are read and written without comparing each index with the number of rows"
+)]
 
 use granule_law_api::Parity;
 use granule_plan::Composition;
@@ -68,13 +72,16 @@ impl PairHistory {
             return;
         }
         // A spring in the tangent plane: one row a pair.
+        assert!((batch.largest(&batch.pair) as usize) < self.rows.len(), "a batch has pairs of the list");
+        let (rows_of_pairs, groups) = (&self.rows[..], batch.groups());
+        let Some([hx, hy, hz]) = batch.history.first_chunk_mut::<3>() else { return };
         let (before, zero) = (L::splat(f64::from(before)), L::splat(0.0));
-        for g in 0..batch.groups() {
+        for g in 0..groups {
             let [a, b, c, d] = batch.pair.four(g).map(|pair| pair as usize);
-            let row = |pair: usize| &self.rows[pair].0;
-            let rows = [L::load(row(a)), L::load(row(b)), L::load(row(c)), L::load(row(d))];
+            // SAFETY: all pairs of the batch were compared above with the number of rows.
+            let row = |pair: usize| L::load(unsafe { &rows_of_pairs.get_unchecked(pair).0 });
+            let rows = [row(a), row(b), row(c), row(d)];
             let [x, y, z, touched] = L::transpose(rows);
-            let Some([hx, hy, hz]) = batch.history.first_chunk_mut::<3>() else { return };
             T::store(touched.if_equal(before, x, zero), hx.four_mut(g));
             T::store(touched.if_equal(before, y, zero), hy.four_mut(g));
             T::store(touched.if_equal(before, z, zero), hz.four_mut(g));
@@ -96,21 +103,30 @@ impl PairHistory {
             return;
         }
         let Some([hx, hy, hz]) = batch.history.first_chunk::<3>() else { return };
+        let rows_of_pairs = &mut self.rows[..];
+        assert!((batch.largest(&batch.pair) as usize) < rows_of_pairs.len(), "a batch has pairs of the list");
         let now = L::splat(f64::from(now));
+        let count = batch.len();
         for g in 0..batch.groups() {
             let [a, b, c, d] = *batch.pair.four(g);
             let rows = L::transpose([T::load(hx.four(g)), T::load(hy.four(g)), T::load(hz.four(g)), now]);
             // What fills the last group up is not stored.
-            let rest = batch.len() - 4 * g;
-            rows[0].store(&mut self.rows[a as usize].0);
+            let rest = count - 4 * g;
+            macro_rules! keep {
+                ($row:expr, $pair:expr) => {
+                    // SAFETY: all pairs of the batch were compared above with the number of rows.
+                    $row.store(unsafe { &mut rows_of_pairs.get_unchecked_mut($pair as usize).0 })
+                };
+            }
+            keep!(rows[0], a);
             if rest > 1 {
-                rows[1].store(&mut self.rows[b as usize].0);
+                keep!(rows[1], b);
             }
             if rest > 2 {
-                rows[2].store(&mut self.rows[c as usize].0);
+                keep!(rows[2], c);
             }
             if rest > 3 {
-                rows[3].store(&mut self.rows[d as usize].0);
+                keep!(rows[3], d);
             }
         }
     }

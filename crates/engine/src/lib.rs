@@ -14,6 +14,7 @@ mod error;
 mod gather;
 mod history;
 mod level;
+mod list;
 mod lists;
 mod prefetch;
 mod scatter;

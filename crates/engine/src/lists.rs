@@ -275,23 +275,26 @@ impl Lists {
         for index in 0..self.tiles.len() {
             let (first, len) = (self.tiles[index].first, self.tiles[index].len);
             let mut slot = 0;
-            self.tiles[index].targets.clear();
+            self.tiles[index].list.clear(first, len, bodies.len());
             for at in 0..self.tiles[index].inner.len() {
-                let j = self.tiles[index].inner[at].j as usize;
-                if (first..first + len).contains(&j) {
-                    self.tiles[index].targets.push((j - first) as u32);
+                let pair = self.tiles[index].inner[at];
+                let j = pair.j as usize;
+                let to = if (first..first + len).contains(&j) {
+                    j - first
                 } else {
-                    self.tiles[index].targets.push(len as u32 + slot);
                     let to = j / size;
                     self.tiles[to].inbox.push(Incoming {
                         body: (j - to * size) as u32,
                         tile: index as u32,
-                        slot,
+                        slot: slot as u32,
                     });
                     slot += 1;
-                }
+                    len + slot - 1
+                };
+                self.tiles[index].list.push(pair, to);
             }
-            self.tiles[index].outbox.resize(slot as usize, Outgoing::default());
+            self.tiles[index].list.finish(slot);
+            self.tiles[index].outbox.resize(slot, Outgoing::default());
         }
         self.travelled_inner = 0.0;
         self.steps_since_prune = 0;

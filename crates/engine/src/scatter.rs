@@ -1,4 +1,5 @@
 //! From columns of forces to rows of bodies, four contacts at a time.
+#![expect(unsafe_code, reason = "rows are written without comparing each index with the number of rows")]
 
 use granule_state::{Lanes, Row};
 
@@ -86,9 +87,14 @@ pub(crate) struct Sums<'a> {
     pub outbox: &'a mut [Outgoing],
 }
 
-/// Adds a row to a row.
+/// Adds to a row.
+///
+/// # Safety
+/// `place` is less than the number of rows.
 #[inline(always)]
-fn add<L: Lanes>(to: &mut Row, value: L) {
+unsafe fn add<L: Lanes>(rows: &mut [Row], place: usize, value: L) {
+    // SAFETY: that is what the caller promises. Builds with debug assertions check it.
+    let to = unsafe { rows.get_unchecked_mut(place) };
     (L::load(&to.0) + value).store(&mut to.0);
 }
 
@@ -105,10 +111,13 @@ pub(crate) fn scatter<S: Space, T: Arithmetic, L: Lanes>(
     let zero = L::splat(0.0);
     let spinning = S::ROTATION && !S::PLANAR;
     let Sums { force, torque, outbox } = sums;
+    let own = force.len();
+    assert!((batch.largest(&batch.i) as usize) < own, "a batch has bodies of the tile");
+    assert!((batch.largest(&batch.to) as usize) < own + outbox.len(), "a batch has targets of the tile");
+    assert!(!spinning || torque.len() == own, "rotation has torques");
     for g in 0..batch.groups() {
         let wrenches = wrenches::<S, T, L>(batch, g, tangential, rolls, alike);
         let (i, to) = (batch.i.four(g), batch.to.four(g));
-        let own = force.len();
         let rest = count - 4 * g;
         // Written out: in a loop the rows would go through memory.
         macro_rules! lane {
@@ -116,21 +125,24 @@ pub(crate) fn scatter<S: Space, T: Arithmetic, L: Lanes>(
                 if rest > $lane {
                     let (i, to) = (i[$lane] as usize, to[$lane] as usize);
                     let f = wrenches.force[$lane];
-                    add(&mut force[i], f);
-                    if spinning {
-                        add(&mut torque[i], wrenches.torque[0][$lane]);
-                    }
-                    let f = if S::PLANAR { wrenches.force_j[$lane] } else { zero - f };
-                    if to < own {
-                        add(&mut force[to], f);
+                    let on_j = if S::PLANAR { wrenches.force_j[$lane] } else { zero - f };
+                    // SAFETY: all i and all targets of the batch were compared above with the rows and slots that exist.
+                    unsafe {
+                        add(force, i, f);
                         if spinning {
-                            add(&mut torque[to], wrenches.torque[1][$lane]);
+                            add(torque, i, wrenches.torque[0][$lane]);
                         }
-                    } else {
-                        let out = &mut outbox[to - own];
-                        f.store(&mut out.force.0);
-                        if spinning {
-                            wrenches.torque[1][$lane].store(&mut out.torque.0);
+                        if to < own {
+                            add(force, to, on_j);
+                            if spinning {
+                                add(torque, to, wrenches.torque[1][$lane]);
+                            }
+                        } else {
+                            let out = outbox.get_unchecked_mut(to - own);
+                            on_j.store(&mut out.force.0);
+                            if spinning {
+                                wrenches.torque[1][$lane].store(&mut out.torque.0);
+                            }
                         }
                     }
                 }

@@ -8,6 +8,7 @@ use crate::chunk::{BATCH, Batch};
 use crate::gather::{find_contacts, gather_kinematics};
 use crate::history::PairHistory;
 use crate::level::{Arena, Arithmetic, Level};
+use crate::list::ForceList;
 use crate::scatter::{Sums, scatter};
 use crate::space::Space;
 use crate::tally::Tally;
@@ -27,12 +28,6 @@ impl Pair {
     #[inline(always)]
     pub fn place(&self) -> usize {
         (self.i_image >> 5) as usize
-    }
-
-    /// Image code of j, below 32.
-    #[inline(always)]
-    pub fn image(&self) -> usize {
-        (self.i_image & 31) as usize
     }
 }
 
@@ -75,8 +70,8 @@ pub(crate) struct Tile {
     pub inner_ranges: Vec<Range>,
     /// Index in `outer` of each inner pair.
     pub inner_outer: Vec<u32>,
-    /// Where the force on j of each inner pair goes: its place within the tile, or `len` plus a slot of the outbox.
-    pub targets: Vec<u32>,
+    /// The inner pairs as the force loop reads them.
+    pub list: ForceList,
     pub history: PairHistory,
     pub outbox: Vec<Outgoing>,
     pub inbox: Vec<Incoming>,
@@ -157,14 +152,15 @@ impl Tile {
             (L::splat(*mass) * gravity).store(&mut row.0);
         }
         torque.fill(Row::ZERO);
+        self.list.check_sums(force, torque, &self.outbox);
         for index in 0..self.inner_ranges.len() {
             let range = self.inner_ranges[index];
             let reach = at.compositions[range.composition as usize].reach;
             let mut next = range.start as usize;
             let end = range.end as usize;
             while next < end {
-                let own = &at.bodies.position[own.clone()];
-                next = find_contacts::<T, L>(&mut batch, &self.inner[..end], next, own, at, reach);
+                let list = self.list.view(at.bodies);
+                next = find_contacts::<T, L>(&mut batch, &list, next, end, at, reach);
                 if batch.count > 0 {
                     let sums = (&mut *force, &mut *torque);
                     self.pair_batch::<S, T, L>(&mut batch, arena, range.composition as usize, at, sums);
@@ -186,8 +182,7 @@ impl Tile {
         (force, torque): (&mut [Row], &mut [Row]),
     ) {
         let composition = &at.compositions[index];
-        let own = self.first..self.first + self.len;
-        gather_kinematics::<S, T, L>(batch, &self.inner, &self.targets, own, at, composition);
+        gather_kinematics::<S, T, L>(batch, &self.list.view(at.bodies), at, composition);
         let remembers = composition.history_width > 0;
         if remembers {
             self.history.load::<T, L>(batch, at.now);
@@ -227,7 +222,8 @@ impl Tile {
     pub fn bytes(&self) -> usize {
         self.outer.capacity() * size_of::<Pair>()
             + self.inner.capacity() * size_of::<Pair>()
-            + (self.inner_outer.capacity() + self.targets.capacity()) * 4
+            + self.inner_outer.capacity() * 4
+            + self.list.bytes()
             + self.history.bytes()
             + self.outbox.capacity() * size_of::<Outgoing>()
             + self.inbox.capacity() * size_of::<Incoming>()

@@ -41,6 +41,8 @@ impl Number for f64 {}
 
 /// Four double precision numbers. No operation is fused; every implementation gives the same bits.
 pub trait Lanes: Number + Div<Output = Self> {
+    /// A choice of lanes.
+    type Packing: Copy;
     /// Four times the same number.
     fn splat(value: f64) -> Self;
     /// From memory.
@@ -65,8 +67,12 @@ pub trait Lanes: Number + Div<Output = Self> {
     fn spread_last(self) -> Self;
     /// Lane `k` of result `l` is lane `l` of row `k`.
     fn transpose(rows: [Self; 4]) -> [Self; 4];
-    /// The lanes whose bit is set in `mask`, moved to the front in their order; what comes after them is arbitrary.
-    fn pack(self, mask: usize) -> Self;
+    /// The choice of the lanes whose bit is set in `mask`, below 16.
+    fn packing(mask: usize) -> Self::Packing;
+    /// The chosen lanes, moved to the front in their order; what comes after them is arbitrary.
+    fn pack(self, packing: Self::Packing) -> Self;
+    /// The same with four indices.
+    fn pack_indices(indices: &[u32; 4], packing: Self::Packing) -> [u32; 4];
 }
 
 /// Lanes that [`Lanes::pack`] moves to the front, by mask.
@@ -112,6 +118,7 @@ lanewise!(Div, div);
 impl Number for Portable {}
 
 impl Lanes for Portable {
+    type Packing = [u8; 4];
     #[inline(always)]
     fn splat(value: f64) -> Self {
         Self([value; 4])
@@ -161,8 +168,16 @@ impl Lanes for Portable {
         std::array::from_fn(|l| Self(std::array::from_fn(|k| rows[k].0[l])))
     }
     #[inline(always)]
-    fn pack(self, mask: usize) -> Self {
-        Self(PACKED[mask & 15].map(|lane| self.0[usize::from(lane)]))
+    fn packing(mask: usize) -> [u8; 4] {
+        PACKED[mask & 15]
+    }
+    #[inline(always)]
+    fn pack(self, packing: [u8; 4]) -> Self {
+        Self(packing.map(|lane| self.0[usize::from(lane)]))
+    }
+    #[inline(always)]
+    fn pack_indices(indices: &[u32; 4], packing: [u8; 4]) -> [u32; 4] {
+        packing.map(|lane| indices[usize::from(lane)])
     }
 }
 
@@ -202,9 +217,12 @@ mod tests {
         masks.extend(out.into_iter().map(bits));
         for mask in 0..16 {
             let count = (mask as u32).count_ones() as usize;
-            let mut packed = bits(rows[3].pack(mask));
+            let mut packed = bits(rows[3].pack(L::packing(mask)));
             packed[count..].fill(0);
             masks.push(packed);
+            let mut indices = L::pack_indices(&[7, 5, 3, 1], L::packing(mask)).map(u64::from);
+            indices[count..].fill(0);
+            masks.push(indices);
         }
         masks
     }
@@ -212,8 +230,8 @@ mod tests {
     #[test]
     fn portable_lanes_do_what_they_say() {
         let row = Portable::load(&SAMPLES[3]);
-        assert_eq!(row.pack(0b1010).0[..2], [0.2, 0.4]);
-        assert_eq!(row.pack(0b1111).0, SAMPLES[3]);
+        assert_eq!(row.pack(PACKED[0b1010]).0[..2], [0.2, 0.4]);
+        assert_eq!(row.pack(PACKED[0b1111]).0, SAMPLES[3]);
         assert_eq!(row.flip_last().0, [0.1, 0.2, 0.3, -0.4]);
         assert_eq!(row.spread_last().0, [0.4; 4]);
         assert_eq!(row.less(Portable::splat(0.25)), 0b0011);

@@ -34,17 +34,19 @@ lanewise!(Div, div, _mm256_div_pd);
 
 impl Number for Avx2 {}
 
-/// The table of packed lanes as indices of 32-bit halves.
-static HALVES: [[i32; 8]; 16] = halves();
+/// The table of packed lanes as indices of 32-bit numbers: of the halves of four doubles, and of four indices.
+static CHOICES: [([i32; 8], [i32; 4]); 16] = choices();
 
-const fn halves() -> [[i32; 8]; 16] {
-    let mut table = [[0; 8]; 16];
+const fn choices() -> [([i32; 8], [i32; 4]); 16] {
+    let mut table = [([0; 8], [0; 4]); 16];
     let mut mask = 0;
     while mask < 16 {
         let mut at = 0;
         while at < 4 {
-            table[mask][2 * at] = 2 * PACKED[mask][at] as i32;
-            table[mask][2 * at + 1] = 2 * PACKED[mask][at] as i32 + 1;
+            let lane = PACKED[mask][at] as i32;
+            table[mask].0[2 * at] = 2 * lane;
+            table[mask].0[2 * at + 1] = 2 * lane + 1;
+            table[mask].1[at] = lane;
             at += 1;
         }
         mask += 1;
@@ -53,6 +55,8 @@ const fn halves() -> [[i32; 8]; 16] {
 }
 
 impl Lanes for Avx2 {
+    type Packing = (__m256i, __m128i);
+
     #[inline(always)]
     fn splat(value: f64) -> Self {
         // SAFETY: see the head of the file.
@@ -128,12 +132,25 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn pack(self, mask: usize) -> Self {
-        let halves = &HALVES[mask & 15];
-        // SAFETY: see the head of the file; the index register is loaded from an array of eight.
-        Self(unsafe {
-            let order = _mm256_loadu_si256(halves.as_ptr().cast());
-            _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), order))
-        })
+    fn packing(mask: usize) -> (__m256i, __m128i) {
+        let (doubles, indices) = &CHOICES[mask & 15];
+        // SAFETY: see the head of the file; the registers are loaded from arrays of eight and four.
+        unsafe { (_mm256_loadu_si256(doubles.as_ptr().cast()), _mm_loadu_si128(indices.as_ptr().cast())) }
+    }
+    #[inline(always)]
+    fn pack(self, (doubles, _): (__m256i, __m128i)) -> Self {
+        // SAFETY: see the head of the file.
+        Self(unsafe { _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), doubles)) })
+    }
+    #[inline(always)]
+    fn pack_indices(indices: &[u32; 4], (_, choice): (__m256i, __m128i)) -> [u32; 4] {
+        let mut packed = [0; 4];
+        // SAFETY: see the head of the file.
+        unsafe {
+            let numbers = _mm_castsi128_ps(_mm_loadu_si128(indices.as_ptr().cast()));
+            let chosen = _mm_castps_si128(_mm_permutevar_ps(numbers, choice));
+            _mm_storeu_si128(packed.as_mut_ptr().cast(), chosen);
+        }
+        packed
     }
 }
