@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use granule_law_api::{
-    ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Params, Registry, Slot, Source, SubstrateEntry,
+    CollisionEntry, ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Params, Registry, Slot, Source,
+    SubstrateEntry,
 };
 
 const DOCS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs");
@@ -27,6 +28,9 @@ pub fn pages(registry: &Registry) -> Vec<(PathBuf, String)> {
     for law in registry.substrates() {
         pages.push((Path::new("laws").join(format!("{}.md", law.info.name)), substrate_page(law)));
     }
+    for law in registry.collisions() {
+        pages.push((Path::new("laws").join(format!("{}.md", law.info.name)), collision_page(law)));
+    }
     pages.sort();
     pages
 }
@@ -47,6 +51,25 @@ fn index(registry: &Registry) -> String {
     for law in registry.substrates() {
         let _ = writeln!(out, "| [{0}]({0}.md) | substrate | {1} |", law.info.name, cell(law.info.summary));
     }
+    for law in registry.collisions() {
+        let _ = writeln!(out, "| [{0}]({0}.md) | collision | {1} |", law.info.name, cell(law.info.summary));
+    }
+    out
+}
+
+/// The page of one collision law.
+fn collision_page(law: &CollisionEntry) -> String {
+    let info = law.info;
+    let mut out = format!(
+        "# {}\n\nA law of instantaneous collisions, from the crate `{}`. {}\n\n## Formula\n\n```text\n{}\n```\n",
+        info.name, law.crate_name, info.summary, info.formula
+    );
+    parameters(&mut out, info.parameters);
+    out.push_str(WAYS);
+    for form in info.forms {
+        way(&mut out, form, false);
+    }
+    sources(&mut out, info.sources);
     out
 }
 

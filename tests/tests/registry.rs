@@ -29,6 +29,7 @@ fn folders_catalog_and_registrations_name_the_same_crates() {
     let contact = registry.entries().iter().map(|law| law.crate_name);
     let registered: BTreeSet<String> = contact
         .chain(registry.substrates().iter().map(|law| law.crate_name))
+        .chain(registry.collisions().iter().map(|law| law.crate_name))
         .map(|name| name.strip_prefix("granule-law-").unwrap_or(name).to_string())
         .collect();
     assert!(!folders.is_empty());

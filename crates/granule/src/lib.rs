@@ -67,7 +67,8 @@ pub mod prelude {
         Advance, ContactPartner, ContactRecord, Driver, EngineError, TimeStepDriver, View,
     };
     pub use granule_law_api::{
-        ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot, SubstrateEntry, SubstrateInfo,
+        CollisionEntry, ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot, SubstrateEntry,
+        SubstrateInfo,
     };
     pub use granule_observers::{Energy, Observer, Observers, quantities};
     pub use granule_plan::{Dimensions, OutputKind, Plan};

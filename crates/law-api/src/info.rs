@@ -15,10 +15,12 @@ pub enum Slot {
     Rolling,
     /// Torque about the normal.
     Torsion,
+    /// The whole of an instantaneous impact, for the event-driven driver; not a stage of a composition.
+    Collision,
 }
 
 impl Slot {
-    /// All slots in the order of execution.
+    /// The slots of a composition in the order of execution.
     pub const ALL: [Self; 5] = [Self::Normal, Self::Cohesion, Self::Tangential, Self::Rolling, Self::Torsion];
 
     /// Name of the slot in a scene.
@@ -29,6 +31,7 @@ impl Slot {
             Self::Tangential => "tangential",
             Self::Rolling => "rolling",
             Self::Torsion => "torsion",
+            Self::Collision => "collision",
         }
     }
 }

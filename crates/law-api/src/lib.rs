@@ -8,6 +8,8 @@
 //! passes [`testing::conformance`]. This crate knows nothing about engines, scenes or files.
 
 mod chunk;
+mod collision;
+mod collision_pair;
 mod context;
 mod conventions;
 mod dispatch;
@@ -21,6 +23,8 @@ mod substrate;
 pub mod testing;
 
 pub use chunk::{CHUNK, ContactChunk, EnergyColumns, Stage};
+pub use collision::{Collision, CollisionEntry, CollisionImpulse, CollisionLaw, CollisionRule};
+pub use collision_pair::{Collided, CollidingBody, collide};
 pub use context::{ContactEnd, DurationRule, NormalSummary, PairContext, Span};
 pub use conventions::{Arm, Conventions, CoulombCap, CoulombTest, HistoryUpdate, VelocityRule};
 pub use dispatch::vectorised;

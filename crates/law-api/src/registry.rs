@@ -1,8 +1,8 @@
 //! The trait that a law implements, and the registry of all linked laws.
 
 use crate::{
-    Columns, Impact, LawError, LawInfo, NormalSummary, Oracle, PairContext, Params, Real, Stage,
-    SubstrateEntry, TimeScale,
+    CollisionEntry, Columns, Impact, LawError, LawInfo, NormalSummary, Oracle, PairContext, Params, Real,
+    Stage, SubstrateEntry, TimeScale,
 };
 
 /// Version of this interface. A law crate built against another one would register where nobody looks; the number makes
@@ -181,6 +181,7 @@ impl std::error::Error for RegistryError {}
 pub struct Registry {
     entries: Vec<&'static LawEntry>,
     substrates: Vec<&'static SubstrateEntry>,
+    collisions: Vec<&'static CollisionEntry>,
 }
 
 impl Registry {
@@ -190,7 +191,34 @@ impl Registry {
     /// Two laws of the same name, or a law built against another interface version.
     pub fn collect() -> Result<Self, RegistryError> {
         Self::from_entries(inventory::iter::<LawEntry>.into_iter())?
-            .with_substrates(inventory::iter::<SubstrateEntry>.into_iter())
+            .with_substrates(inventory::iter::<SubstrateEntry>.into_iter())?
+            .with_collisions(inventory::iter::<CollisionEntry>.into_iter())
+    }
+
+    /// Adds collision laws, which have names of their own.
+    ///
+    /// # Errors
+    /// As for [`collect`](Self::collect).
+    pub fn with_collisions(
+        mut self,
+        entries: impl Iterator<Item = &'static CollisionEntry>,
+    ) -> Result<Self, RegistryError> {
+        self.collisions.extend(entries);
+        crate::collision::order(&mut self.collisions)?;
+        Ok(self)
+    }
+
+    /// All collision laws, ordered by name.
+    pub fn collisions(&self) -> &[&'static CollisionEntry] {
+        &self.collisions
+    }
+
+    /// The collision law of that name.
+    ///
+    /// # Errors
+    /// [`RegistryError::Unknown`] with the nearest name and all registered ones.
+    pub fn collision(&self, name: &str) -> Result<&'static CollisionEntry, RegistryError> {
+        crate::collision::find(&self.collisions, name)
     }
 
     /// Adds laws of surfaces, which have names of their own.
@@ -260,7 +288,7 @@ impl Registry {
                 found: entry.api_version,
             });
         }
-        Ok(Self { entries, substrates: Vec::new() })
+        Ok(Self { entries, substrates: Vec::new(), collisions: Vec::new() })
     }
 
     /// All laws, ordered by name.

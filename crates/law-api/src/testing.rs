@@ -113,7 +113,7 @@ pub fn failures(law: &LawEntry) -> Vec<Failure> {
                             oblique::check(&case, &*double, &mut report);
                             drive::check(&case, &*double, &mut report);
                         }
-                        Slot::Rolling | Slot::Torsion => report.fail(
+                        Slot::Rolling | Slot::Torsion | Slot::Collision => report.fail(
                             "oracle",
                             "the kit knows no single-contact problem for this slot".to_string(),
                         ),

@@ -139,7 +139,7 @@ fn evaluate(composition: &Composition, reduced_mass: f64, reduced_radius: f64) -
         let usable = |value: f64| if value.is_finite() { value.max(0.0) } else { 0.0 };
         let (stiffness, damping) = match stage.slot {
             Slot::Normal | Slot::Cohesion => (&mut contact.stiffness, &mut contact.damping),
-            Slot::Tangential | Slot::Rolling | Slot::Torsion => {
+            Slot::Tangential | Slot::Rolling | Slot::Torsion | Slot::Collision => {
                 (&mut contact.tangential_stiffness, &mut contact.tangential_damping)
             }
         };

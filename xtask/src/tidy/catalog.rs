@@ -70,8 +70,8 @@ fn compare(all: &[String], manifest: &str, library: &str, sources: &[(String, St
     problems
 }
 
-/// Calls that register a law of a contact or of a surface.
-const REGISTER: [&str; 2] = ["register_law!(", "register_substrate_law!("];
+/// Calls that register a law of a contact, a surface or a collision.
+const REGISTER: [&str; 3] = ["register_law!(", "register_substrate_law!(", "register_collision_law!("];
 
 /// Types that a source file registers.
 fn registered(text: &str) -> Vec<&str> {

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use granule::prelude::{
-    ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot, SubstrateEntry, SubstrateInfo,
+    CollisionEntry, ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot, SubstrateEntry,
+    SubstrateInfo,
 };
 
 use super::Exit;
@@ -30,6 +31,10 @@ pub fn laws(name: Option<&str>, example_only: bool) -> Exit {
         terminal::out(&if example_only { substrate_example(law.info) } else { substrate_page(law) });
         return Exit::Success;
     }
+    if let Ok(law) = registry.collision(name) {
+        terminal::out(&collision_page(law));
+        return Exit::Success;
+    }
     match registry.get(name) {
         Ok(law) if example_only => terminal::out(&example(law, &registry)),
         Ok(law) => terminal::out(&page(law, &registry)),
@@ -44,7 +49,8 @@ pub fn laws(name: Option<&str>, example_only: bool) -> Exit {
 /// All laws, one line each, by slot and name.
 fn table(registry: &Registry) -> String {
     let entries = registry.entries();
-    let name_width = entries.iter().map(|law| law.info.name.len()).max().unwrap_or(0).max(4);
+    let names = registry.collisions().iter().map(|law| law.info.name.len());
+    let name_width = entries.iter().map(|law| law.info.name.len()).chain(names).max().unwrap_or(0).max(4);
     let slot_width =
         entries.iter().map(|law| law.info.slot.name().len()).max().unwrap_or(0).max(SUBSTRATE.len());
     let mut out =
@@ -56,7 +62,9 @@ fn table(registry: &Registry) -> String {
         })
     });
     let substrates = registry.substrates().iter().map(|law| (law.info.name, SUBSTRATE, law.info.summary));
-    for (name, slot, summary) in contact.chain(substrates) {
+    let collisions = registry.collisions().iter();
+    let collisions = collisions.map(|law| (law.info.name, law.info.slot.name(), law.info.summary));
+    for (name, slot, summary) in contact.chain(substrates).chain(collisions) {
         let indent = name_width + slot_width + 4;
         let lines = wrap(summary, WIDTH.saturating_sub(indent));
         // Writing to a string cannot fail.
@@ -100,6 +108,37 @@ fn substrate_page(law: &SubstrateEntry) -> String {
     heading(&mut out, "Example scene");
     for line in substrate_example(info).lines() {
         let _ = writeln!(out, "  {line}");
+    }
+    out
+}
+
+/// Everything about one collision law.
+fn collision_page(law: &CollisionEntry) -> String {
+    let info = law.info;
+    let mut out = format!(
+        "{} ({} law, from {} {})\n",
+        styled(HEADING, info.name),
+        info.slot.name(),
+        law.crate_name,
+        law.crate_version
+    );
+    paragraph(&mut out, 2, info.summary);
+    heading(&mut out, "Formula");
+    for line in info.formula.lines() {
+        let _ = writeln!(out, "  {line}");
+    }
+    heading(&mut out, "Parameters");
+    for spec in info.parameters {
+        parameter(&mut out, spec);
+    }
+    heading(&mut out, "Ways to give them");
+    for form in info.forms {
+        way(&mut out, form);
+    }
+    heading(&mut out, "Sources");
+    for source in info.sources {
+        let note = if source.note.is_empty() { String::new() } else { format!(": {}", source.note) };
+        paragraph(&mut out, 2, &format!("{}, {}{note}", source.work, source.place));
     }
     out
 }
@@ -308,6 +347,9 @@ mod tests {
         let registry = granule::laws().unwrap();
         let table = table(&registry);
         assert!(!registry.entries().is_empty());
+        for law in registry.collisions() {
+            assert!(table.contains(law.info.name) && collision_page(law).contains(law.info.formula));
+        }
         for law in registry.entries() {
             assert!(table.contains(law.info.name));
             let page = page(law, &registry);

@@ -42,6 +42,7 @@ fn columns(info: &LawInfo, wrong: &mut Vec<String>) {
         Slot::Cohesion => (Columns::NORMAL_FORCE, Columns::NONE),
         Slot::Tangential => (Columns::TANGENTIAL_FORCE, Columns::NONE),
         Slot::Rolling | Slot::Torsion => (Columns::TORQUE, Columns::NONE),
+        Slot::Collision => (Columns::NONE, Columns::NONE),
     };
     if !info.writes.contains(must) || !must.and(may).contains(info.writes) {
         wrong.push(format!(
