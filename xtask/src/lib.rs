@@ -6,6 +6,7 @@ pub mod bench;
 pub mod ci;
 pub mod command;
 pub mod directions;
+pub mod figures;
 pub mod files;
 pub mod json;
 pub mod members;
@@ -16,4 +17,4 @@ pub mod tidy;
 pub mod validate;
 
 /// Names of the tasks.
-pub const TASKS: [&str; 7] = ["validate", "test", "bench", "new-law", "pages", "tidy", "ci"];
+pub const TASKS: [&str; 8] = ["validate", "test", "bench", "figures", "new-law", "pages", "tidy", "ci"];

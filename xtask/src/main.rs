@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use xtask::command::Error;
-use xtask::{bench, ci, files, new_law, pages, test, tidy, validate};
+use xtask::{bench, ci, figures, files, new_law, pages, test, tidy, validate};
 
 const USAGE: &str = "\
 cargo xtask <task>
@@ -25,6 +25,9 @@ cargo xtask <task>
                  --pairs  rounds of ours and each engine (default 5)
                  --single our laws in single precision
                `bench parts` counts the instructions of a step by source file (needs valgrind)
+  figures NAME [--docs]
+               compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding
+                 --docs   write them into docs/ instead
   new-law SLOT/NAME [--external DIR]
                write a new law crate: in laws/, or with --external a crate and a program of its own in DIR
   pages        rewrite the generated pages of docs/
@@ -56,6 +59,7 @@ fn task(words: &[String]) -> Result<(), Error> {
         "validate" => validate::validate(&root, &validate::Options::parse(rest)?),
         "test" => test::test(&root, &test::Options::parse(rest)?),
         "bench" => bench::bench(&root, rest),
+        "figures" => figures::figures(&root, rest),
         "new-law" => new_law::new_law(&root, &new_law::Options::parse(rest)?),
         "pages" => alone().and_then(|()| pages::pages(&root)),
         "tidy" => alone().and_then(|()| tidy::tidy(&root)),

@@ -31,7 +31,7 @@ pub const TOP_LEVEL: [&str; 17] = [
 ];
 
 /// Folders of the top level that are packages themselves.
-pub const TOP_PACKAGES: [&str; 3] = ["tests/", "validation/", "xtask/"];
+pub const TOP_PACKAGES: [&str; 4] = ["figures/", "tests/", "validation/", "xtask/"];
 
 /// Runs every check, the format included.
 ///

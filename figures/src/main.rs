@@ -1,0 +1,42 @@
+//! `granule-figures NAME [--out FOLDER]`: the figures of one paper.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use granule_figures::{CHAPTERS, Chapter, Error};
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let names: Vec<&str> = CHAPTERS.iter().map(|chapter| chapter.name).collect();
+    let usage = format!(
+        "figures NAME [--docs]: makes the figures of a paper; NAME is {}; --docs writes them into docs/ and not into \
+         target/figures",
+        names.join(" or ")
+    );
+    let (chapter, docs) = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [name] | [name, "--docs"] => (Chapter::named(name), words.len() == 2),
+        _ => (None, false),
+    };
+    let Some(chapter) = chapter else {
+        eprintln!("error: {usage}");
+        return ExitCode::from(2);
+    };
+    match make(chapter, docs) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Makes the figures of a chapter, below the current folder.
+fn make(chapter: &Chapter, docs: bool) -> Result<(), Error> {
+    let folder = PathBuf::from(if docs { "docs" } else { "target/figures" });
+    let pictures = if docs { format!("figures/{}", chapter.name) } else { chapter.name.to_string() };
+    let figures = (chapter.figures)()?;
+    chapter.write(&figures, &folder, &pictures)?;
+    let place = folder.join(format!("{}-figures.md", chapter.name));
+    println!("{} figures: {}", figures.len(), place.display());
+    Ok(())
+}
