@@ -9,12 +9,14 @@ use crate::tally::Tally;
 
 /// Contacts per batch. A fraction of the largest chunk that laws must accept: the columns of a batch then stay in the
 /// first level cache.
-pub(crate) const BATCH: usize = 128;
+pub(crate) const BATCH: usize = 96;
 
-/// One number for each contact of a batch.
+/// One number for each contact of a batch. The cache line behind them shifts the next column: with all columns a power of
+/// two apart, the same place of several columns would share few sets of the cache, and a load would wait for stores to
+/// addresses that only look the same.
 #[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub(crate) struct Column<T>([T; BATCH]);
+#[repr(C, align(64))]
+pub(crate) struct Column<T>([T; BATCH], [u64; 8]);
 
 impl<T> Column<T> {
     /// The numbers of group `group` of four.
@@ -92,9 +94,9 @@ pub(crate) struct Batch<T> {
 
 impl<T: Real> Batch<T> {
     pub fn new(history_width: usize) -> Self {
-        let double = Column([0.0; BATCH]);
-        let index = Column([0; BATCH]);
-        let scalar = Column([T::ZERO; BATCH]);
+        let double = Column([0.0; BATCH], [0; 8]);
+        let index = Column([0; BATCH], [0; 8]);
+        let scalar = Column([T::ZERO; BATCH], [0; 8]);
         Self {
             count: 0,
             separation: [double; 3],
@@ -165,7 +167,9 @@ impl<T: Real> Batch<T> {
         time_step: f64,
         tally: Option<&mut Tally>,
     ) {
-        let n = self.len();
+        // Loops over a multiple of the widest vector have no rest. What stands behind the last contact is old but finite,
+        // and nobody reads what becomes of it.
+        let n = self.len().next_multiple_of(8).min(BATCH);
         if composition.writes.contains(Columns::TORQUE) {
             for column in &mut self.contact_torque {
                 column[..n].fill(T::ZERO);
@@ -180,7 +184,7 @@ impl<T: Real> Batch<T> {
         let damping = wanted(Columns::NORMAL_DAMPING, n);
         let tangential = if composition.writes.contains(Columns::TANGENTIAL_FORCE) { n } else { 0 };
         let torque = if composition.writes.contains(Columns::TORQUE) { n } else { 0 };
-        let ledger = tally.is_some();
+        let (ledger, count) = (tally.is_some(), self.len());
         let mut tally = tally;
         for (plan, stage) in composition.stages.iter().zip(stages) {
             // Width 3 covers a vector of history; wider laws take the general path with a small vector of slices.
@@ -223,7 +227,8 @@ impl<T: Real> Batch<T> {
             };
             stage.run(&mut chunk);
             if let Some(tally) = tally.as_deref_mut() {
-                let sum = |column: &Column<T>| column[..n].iter().fold(0.0, |sum, value| sum + value.wide());
+                let sum =
+                    |column: &Column<T>| column[..count].iter().fold(0.0, |sum, value| sum + value.wide());
                 let slot = plan.slot as usize;
                 tally.elastic[slot] += sum(&self.energy[0]);
                 tally.viscous[slot] += sum(&self.energy[1]);

@@ -125,7 +125,7 @@ pub(crate) fn sweep(
     dt: f64,
 ) -> Pass {
     if kind != Sweep::Begin {
-        Tile::receive(&tiles[tile].inbox, tiles, rows.force, rows.torque);
+        crate::dispatch::receive(level.instructions, &tiles[tile].inbox, tiles, rows.force, rows.torque);
     }
     let mut rows = RowTile {
         position: rows.position,

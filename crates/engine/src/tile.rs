@@ -203,12 +203,9 @@ impl Tile {
     }
 
     /// Adds what other tiles have computed for the bodies of this one, in the order of those tiles.
-    pub fn receive(inbox: &[Incoming], tiles: &[Tile], force: &mut [Row], torque: &mut [Row]) {
-        let add = |to: &mut Row, from: &Row| {
-            for k in 0..4 {
-                to[k] += from[k];
-            }
-        };
+    #[inline(always)]
+    pub fn receive<L: Lanes>(inbox: &[Incoming], tiles: &[Tile], force: &mut [Row], torque: &mut [Row]) {
+        let add = |to: &mut Row, from: &Row| (L::load(&to.0) + L::load(&from.0)).store(&mut to.0);
         for incoming in inbox {
             let from = &tiles[incoming.tile as usize].outbox[incoming.slot as usize];
             add(&mut force[incoming.body as usize], &from.force);
