@@ -108,6 +108,16 @@ impl Motion {
         }
     }
 
+    /// Amplitude (m), angular frequency (rad/s) and phase (rad) of a sinusoidal motion; `None` for any other.
+    pub fn oscillation(&self) -> Option<(Vector3<f64>, f64, f64)> {
+        match &self.0 {
+            Kind::Sinusoidal { amplitude, angular_frequency, phase } => {
+                Some((*amplitude, *angular_frequency, *phase))
+            }
+            _ => None,
+        }
+    }
+
     /// True when nothing ever moves.
     pub fn is_fixed(&self) -> bool {
         match &self.0 {

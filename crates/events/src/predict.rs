@@ -1,0 +1,118 @@
+//! The earliest event of a body.
+
+use crate::body::{Shell, dot};
+use crate::engine::{AGAIN, EventEngine, SHELL, WALLS};
+use crate::flight::{Root, leave, leave_falling, safe_root, touch};
+use crate::plane::Reach;
+
+impl EventEngine {
+    /// Relative time, partner and the partner's number of collisions.
+    #[inline]
+    pub(crate) fn next(&self, body: u32, time: f64) -> (f64, u32, u32) {
+        if self.identities[body as usize].inverse_mass == 0.0 {
+            return (f64::INFINITY, SHELL, 0);
+        }
+        let (x, v) = self.at(body, time);
+        let radius = self.bodies[body as usize].radius;
+        let Shell { centre, reach } = self.shells[body as usize];
+        let offset = self.period.nearest(std::array::from_fn(|k| x[k] - centre[k]));
+        let mut best = if self.falls {
+            leave_falling(offset, v, self.gravity, reach - radius)
+        } else {
+            leave(offset, v, reach - radius)
+        };
+        let mut partner = SHELL;
+        if !self.walls.is_empty() {
+            (best, partner) = self.next_wall(body, (x, v), radius, time, best);
+        }
+        let mut stamp = 0;
+        if self.falls {
+            self.next_falling(body, (x, v), time, &mut best, &mut partner);
+        } else {
+            self.neighbours.each(body, |other| {
+                let record = &self.bodies[other as usize];
+                let dt = time - record.time;
+                let r = self
+                    .period
+                    .nearest(std::array::from_fn(|k| x[k] - (record.position[k] + dt * record.velocity[k])));
+                let w: [f64; 3] = std::array::from_fn(|k| v[k] - record.velocity[k]);
+                if let Some(after) = touch(r, w, radius + record.radius)
+                    && after < best
+                {
+                    (best, partner) = (after, other);
+                }
+            });
+        }
+        if partner < WALLS {
+            stamp = self.queue.event(partner).1.count;
+        }
+        (time + best, partner, stamp)
+    }
+
+    /// As above under gravity, where bodies may also meet frozen ones on curved paths.
+    fn next_falling(
+        &self,
+        body: u32,
+        (x, v): ([f64; 3], [f64; 3]),
+        time: f64,
+        best: &mut f64,
+        partner: &mut u32,
+    ) {
+        let radius = self.bodies[body as usize].radius;
+        let shell = self.shells[body as usize].reach - radius;
+        self.neighbours.each(body, |other| {
+            let (y, u) = self.at(other, time);
+            let r = self.period.nearest(std::array::from_fn(|k| x[k] - y[k]));
+            let w: [f64; 3] = std::array::from_fn(|k| v[k] - u[k]);
+            let contact = radius + self.bodies[other as usize].radius;
+            if self.identities[other as usize].inverse_mass > 0.0 {
+                if let Some(after) = touch(r, w, contact)
+                    && after < *best
+                {
+                    (*best, *partner) = (after, other);
+                }
+                return;
+            }
+            let g = self.gravity;
+            let squared = |after: f64| {
+                let r: [f64; 3] = std::array::from_fn(|k| r[k] + after * (w[k] + 0.5 * after * g[k]));
+                let w: [f64; 3] = std::array::from_fn(|k| w[k] + after * g[k]);
+                (dot(r, r) - contact * contact, 2.0 * dot(r, w))
+            };
+            // The body stays in its shell, so that the distance grows by a diameter of it at most.
+            let farthest = dot(r, r).sqrt() + 2.0 * shell;
+            let curvature = 2.0 * dot(g, g).sqrt() * farthest;
+            let round_off = 4.0 * f64::EPSILON * contact * contact;
+            let least = (round_off / curvature).sqrt();
+            match safe_root(squared, curvature, *best, round_off, least) {
+                Root::At(after) if after < *best => (*best, *partner) = (after, other),
+                Root::PositiveUntil(after) if after < *best => (*best, *partner) = (after, AGAIN),
+                Root::At(_) | Root::PositiveUntil(_) => {}
+            }
+        });
+    }
+
+    fn next_wall(
+        &self,
+        body: u32,
+        (x, v): ([f64; 3], [f64; 3]),
+        radius: f64,
+        time: f64,
+        horizon: f64,
+    ) -> (f64, u32) {
+        let (mut best, mut partner) = (horizon, SHELL);
+        let material = usize::from(self.identities[body as usize].material);
+        for (index, wall) in self.walls.iter().enumerate() {
+            if self.wall_rules[index * self.materials + material].is_none() {
+                continue;
+            }
+            let round_off = 4.0 * f64::EPSILON * radius;
+            match wall.reach((x, v, self.gravity), radius, self.epoch + time, best, round_off) {
+                Reach::At(after) if after < best => (best, partner) = (after, WALLS + index as u32),
+                Reach::AskAgain(after) if after < best => (best, partner) = (after, AGAIN),
+                Reach::At(_) | Reach::AskAgain(_) | Reach::Never => {}
+            }
+        }
+        (best, partner)
+    }
+}

@@ -1,0 +1,248 @@
+//! Shells, lists and the order of bodies in memory.
+
+use crate::body::{Body, dot};
+use crate::engine::{EventEngine, Target};
+use crate::setup::EventError;
+
+/// Largest and smallest radius of a shell over that of its body.
+const MARGINS: (f64, f64) = (0.08, 4.0);
+/// Overlap at the start that counts as round-off, as a share of the smaller radius.
+const ROUND_OFF: f64 = 1e-9;
+
+impl EventEngine {
+    /// Brings all bodies to the time of the last event, which becomes the epoch, and into an order in memory that follows
+    /// their places; makes lists and predictions anew.
+    pub(crate) fn renumber(&mut self) {
+        let now = self.now;
+        for body in 0..self.bodies.len() as u32 {
+            self.bring(body, now);
+            self.wrap(body);
+            self.bodies[body as usize].time = 0.0;
+        }
+        for last in &mut self.last {
+            *last -= now;
+        }
+        self.reset_window(now);
+        self.epoch += now;
+        self.now = 0.0;
+        self.since = 0;
+        self.counts.renumbered += 1;
+        let (lo, hi) = self.bounds();
+        self.sort(lo, hi);
+        self.choose_margin(lo, hi);
+        let frozen = |engine: &Self, body: usize| engine.identities[body].inverse_mass == 0.0;
+        let mut reach: f64 = 0.0;
+        for body in 0..self.bodies.len() {
+            let margin = if frozen(self, body) { 0.0 } else { self.margin };
+            let radius = self.bodies[body].radius;
+            self.shells[body].reach = radius + margin * radius;
+            reach = reach.max(self.shells[body].reach);
+        }
+        self.cells.reset(lo, hi, self.cell.periodic(), 2.0 * reach, self.bodies.len());
+        self.neighbours.reset(self.bodies.len());
+        for body in 0..self.bodies.len() as u32 {
+            self.place(body);
+            self.find(body);
+            self.cells.insert(body, self.shells[body as usize].centre);
+            *self.queue.payload_mut(body) = Target::default();
+        }
+        let mut times = Vec::with_capacity(self.bodies.len());
+        for body in 0..self.bodies.len() as u32 {
+            let (time, partner, stamp) = self.next(body, 0.0);
+            let target = self.queue.payload_mut(body);
+            (target.partner, target.stamp) = (partner, stamp);
+            times.push(time);
+        }
+        self.queue.fill(&times);
+    }
+
+    /// A body is about to leave its shell: a new one, and new neighbours.
+    pub(crate) fn relist(&mut self, body: u32, time: f64) {
+        self.bring(body, time);
+        self.wrap(body);
+        self.counts.relisted += 1;
+        self.neighbours.isolate(body);
+        self.cells.remove(body);
+        self.place(body);
+        self.find(body);
+        self.cells.insert(body, self.shells[body as usize].centre);
+    }
+
+    /// Into the cell, in periodic directions.
+    fn wrap(&mut self, body: u32) {
+        let record = &mut self.bodies[body as usize];
+        let (position, turns) = self.cell.wrap(record.position);
+        if turns != [0; 3] {
+            record.position = position;
+            let image = &mut self.identities[body as usize].image;
+            for k in 0..3 {
+                image[k] = image[k].saturating_add(turns[k]);
+            }
+        }
+    }
+
+    /// Centres the shell of a body ahead of it.
+    fn place(&mut self, body: u32) {
+        let Body { position, velocity, radius, .. } = self.bodies[body as usize];
+        let shell = &mut self.shells[body as usize];
+        let speed = dot(velocity, velocity).sqrt();
+        let lead = if speed > 0.0 { self.tuning.ahead * (shell.reach - radius) / speed } else { 0.0 };
+        let centre = std::array::from_fn(|k| position[k] + lead * velocity[k]);
+        shell.centre = self.cell.wrap(centre).0;
+    }
+
+    /// Makes a body the neighbour of all those in the grid whose shells meet its own.
+    #[inline]
+    fn find(&mut self, body: u32) {
+        let shell = self.shells[body as usize];
+        let frozen = self.identities[body as usize].inverse_mass == 0.0;
+        let selective = self.mixed || frozen || self.pairs.iter().any(Option::is_none);
+        let mut found = [0u32; 128];
+        let mut count = 0;
+        let Self { cells, shells, period, .. } = self;
+        let mut rest = Vec::new();
+        cells.around(shell.centre, |other| {
+            let there = &shells[other as usize];
+            let d = period.nearest(std::array::from_fn(|k| shell.centre[k] - there.centre[k]));
+            let reach = shell.reach + there.reach;
+            if dot(d, d) < reach * reach {
+                if count < found.len() {
+                    found[count] = other;
+                    count += 1;
+                } else {
+                    rest.push(other);
+                }
+            }
+        });
+        for other in found[..count].iter().copied().chain(rest) {
+            let both_frozen = frozen && self.identities[other as usize].inverse_mass == 0.0;
+            if selective && (both_frozen || self.rule_of(body, other).is_none()) {
+                continue;
+            }
+            self.neighbours.join(body, other);
+        }
+    }
+
+    /// The cell in periodic directions, and where the bodies are in the others.
+    fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+        let mut lo = [f64::INFINITY; 3];
+        let mut hi = [f64::NEG_INFINITY; 3];
+        for body in &self.bodies {
+            for k in 0..3 {
+                lo[k] = lo[k].min(body.position[k] - body.radius);
+                hi[k] = hi[k].max(body.position[k] + body.radius);
+            }
+        }
+        let periodic = self.cell.periodic();
+        for k in 0..3 {
+            if periodic[k] {
+                (lo[k], hi[k]) = (self.cell.lo()[k], self.cell.hi()[k]);
+            }
+        }
+        (lo, hi)
+    }
+
+    /// Sorts bodies along a space-filling curve.
+    fn sort(&mut self, lo: [f64; 3], hi: [f64; 3]) {
+        let longest = (0..3).fold(0.0, |l: f64, k| l.max(hi[k] - lo[k]));
+        let scale = if longest > 0.0 { 65_535.0 / longest } else { 0.0 };
+        let mut keys: Vec<(u64, u32)> = self
+            .bodies
+            .iter()
+            .enumerate()
+            .map(|(body, record)| {
+                let cell = |k: usize| spread(((record.position[k] - lo[k]) * scale) as u64);
+                (cell(0) | cell(1) << 1 | cell(2) << 2, body as u32)
+            })
+            .collect();
+        // By place, then by the order before, which is the same in every run.
+        keys.sort_unstable();
+        let order: Vec<u32> = keys.into_iter().map(|(_, body)| body).collect();
+        gather(&mut self.bodies, &order);
+        gather(&mut self.identities, &order);
+        gather(&mut self.spins, &order);
+        gather(&mut self.last, &order);
+    }
+
+    /// Shells so large that lists have the wanted length at the mean density.
+    fn choose_margin(&mut self, lo: [f64; 3], hi: [f64; 3]) {
+        let count = self.bodies.len().max(1) as f64;
+        let largest = self.bodies.iter().fold(0.0, |r: f64, body| r.max(body.radius));
+        let thin = (0..3).filter(|&k| hi[k] - lo[k] <= 2.0 * largest * (1.0 + 1e-9)).count();
+        let dimensions = 3usize.saturating_sub(thin).max(1) as i32;
+        let room: f64 =
+            (0..3).filter(|&k| hi[k] - lo[k] > 2.0 * largest * (1.0 + 1e-9)).map(|k| hi[k] - lo[k]).product();
+        let ball = match dimensions {
+            3 => 4.0 / 3.0 * std::f64::consts::PI,
+            2 => std::f64::consts::PI,
+            _ => 2.0,
+        };
+        let filled: f64 =
+            self.bodies.iter().map(|body| ball * body.radius.powi(dimensions)).sum::<f64>() / room;
+        // A body has 2^d φ (1 + m)^d others within twice its reach.
+        let wanted = self.tuning.neighbours / (filled * 2.0f64.powi(dimensions));
+        let margin = wanted.powf(1.0 / f64::from(dimensions)) - 1.0;
+        let margin = if margin.is_finite() { margin } else { MARGINS.1 };
+        let mut margin = margin.max(MARGINS.0).min(MARGINS.1);
+        // Few bodies know each other anyway.
+        if count < 32.0 {
+            margin = margin.max(1.0);
+        }
+        // One image of each pair: reaches stay below half a period.
+        for period in self.period.length() {
+            if period > 0.0 {
+                margin = margin.min((0.249 * period / largest - 1.0).max(0.0));
+            }
+        }
+        self.margin = margin;
+    }
+
+    /// Refuses bodies that overlap by more than round-off.
+    pub(crate) fn check_overlaps(&self) -> Result<(), EventError> {
+        for a in 0..self.bodies.len() as u32 {
+            let (one, radius) = (self.identities[a as usize], self.bodies[a as usize].radius);
+            let mut worst: Option<(u32, f64)> = None;
+            self.neighbours.each(a, |b| {
+                let (x, y) = (self.bodies[a as usize].position, self.bodies[b as usize].position);
+                let r = self.period.nearest(std::array::from_fn(|k| x[k] - y[k]));
+                let other = self.bodies[b as usize].radius;
+                let overlap = radius + other - dot(r, r).sqrt();
+                if overlap > ROUND_OFF * radius.min(other) && worst.is_none_or(|(_, most)| overlap > most) {
+                    worst = Some((self.identities[b as usize].id, overlap));
+                }
+            });
+            if let Some((other, overlap)) = worst {
+                return Err(EventError::Overlap { id: one.id, other: Ok(other), overlap });
+            }
+            for (index, wall) in self.walls.iter().enumerate() {
+                let known = self.wall_rules[index * self.materials + usize::from(one.material)].is_some();
+                let overlap = radius - wall.distance(self.bodies[a as usize].position, 0.0);
+                if known && one.inverse_mass > 0.0 && overlap > ROUND_OFF * radius {
+                    return Err(EventError::Overlap { id: one.id, other: Err(index), overlap });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Mean number of neighbours in a list.
+    pub fn mean_neighbours(&self) -> f64 {
+        self.neighbours.mean()
+    }
+}
+
+/// Spreads the lowest 16 bits to every third place.
+fn spread(x: u64) -> u64 {
+    let mut x = x & 0xFFFF;
+    x = (x | x << 32) & 0x001F_0000_0000_FFFF;
+    x = (x | x << 16) & 0x001F_0000_FF00_00FF;
+    x = (x | x << 8) & 0x100F_00F0_0F00_F00F;
+    x = (x | x << 4) & 0x10C3_0C30_C30C_30C3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+fn gather<T: Copy>(column: &mut Vec<T>, order: &[u32]) {
+    if !column.is_empty() {
+        *column = order.iter().map(|&from| column[from as usize]).collect();
+    }
+}
