@@ -37,6 +37,8 @@ pub enum Command {
         #[arg(required = true)]
         scenes: Vec<PathBuf>,
     },
+    /// Measure what speed costs in accuracy for a scene, and write the choice back as a scene
+    Trade(TradeArguments),
     /// List the contact laws, or show one with its parameters, formula and sources
     Laws {
         /// Name of a law, as in scenes
@@ -69,4 +71,27 @@ pub struct RunArguments {
     /// Replace outputs of another scene in the output folder
     #[arg(long)]
     pub force: bool,
+}
+
+/// `granule trade`.
+#[derive(Debug, clap::Args)]
+pub struct TradeArguments {
+    /// Scene file
+    pub scene: PathBuf,
+    /// Folder for the results; an interrupted trade goes on with what it finds there [default: trade/<name of the scene>]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Quantities whose errors count, separated by commas: velocities, spins, or columns of a time series [default: those in
+    /// the time series of the scene, else the usual ones]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub observe: Vec<String>,
+    /// Runs of every setting
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u64).range(3..=1000))]
+    pub runs: u64,
+    /// Relative error that the choice may have
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
+    pub error: f64,
+    /// Show no progress and no summary
+    #[arg(short, long)]
+    pub quiet: bool,
 }

@@ -19,6 +19,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::Explain { scene } => commands::explain::explain(&scene),
         Command::Check { scenes } => commands::check::check(&scenes),
+        Command::Trade(arguments) => commands::trade::trade(&arguments),
         Command::Laws { name, example } => commands::laws::laws(name.as_deref(), example),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -123,6 +123,44 @@ impl Progress for Lines {
     fn end(&mut self, _status: &Status) {}
 }
 
+/// A count of things done: a bar on a terminal, a line now and then elsewhere.
+pub struct Count {
+    bar: Option<ProgressBar>,
+    last: Option<Instant>,
+}
+
+impl Count {
+    /// Of so many things.
+    pub fn new(all: usize) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::stderr());
+            if let Ok(style) = style() {
+                bar.set_style(style);
+            }
+            bar
+        });
+        Self { bar, last: None }
+    }
+
+    /// So many are done.
+    pub fn show(&mut self, done: usize, message: &str) {
+        if let Some(bar) = &self.bar {
+            bar.set_position(done as u64);
+            bar.set_message(message.to_string());
+        } else if self.last.is_none_or(|last| last.elapsed() >= LINE_INTERVAL) {
+            self.last = Some(Instant::now());
+            terminal::err(&format!("{message}\n"));
+        }
+    }
+
+    /// No more to come.
+    pub fn end(self) {
+        if let Some(bar) = self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -42,6 +42,7 @@ mod run;
 
 pub use directory::{DirectoryError, default_directory};
 pub use granule_plan::explain;
+pub use granule_trade as trade;
 pub use load::{LoadError, Loaded, Source, laws, load, load_text};
 pub use progress::{Outlook, Progress, Silent, Status};
 pub use run::{Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};

@@ -20,7 +20,7 @@ pub use dump::Dump;
 pub use energy::Energy;
 pub use granule_formats::Provenance;
 pub use observer::{ObserveError, Observer};
-pub use series::Series;
+pub use series::{Compute, Series, compute};
 pub use set::{MANIFEST, Observers};
 pub use snapshot::Snapshot;
 pub use vtk::VtkSeries;

@@ -9,11 +9,11 @@ use granule_plan::SERIES;
 
 use crate::{Energy, ObserveError, Observer, quantities};
 
-/// How a column is computed from the view, the energies of the view, and those of the start.
-type Compute = fn(&View<'_>, &Energy, &Energy) -> f64;
+/// How a quantity is computed from the view, the energies of the view, and those of the start.
+pub type Compute = fn(&View<'_>, &Energy, &Energy) -> f64;
 
 /// The computation behind a name of [`SERIES`].
-fn compute(name: &str) -> Option<Compute> {
+pub fn compute(name: &str) -> Option<Compute> {
     Some(match name {
         "kinetic_energy" => |_, now, _| now.kinetic,
         "rotational_energy" => |_, now, _| now.rotational,

@@ -4,6 +4,7 @@
 //! user wrote: which laws exist, whether bodies overlap or a time step is stable is for the plan to say.
 
 mod diagnostic;
+mod edit;
 mod manual;
 mod read;
 mod reader;
@@ -12,6 +13,7 @@ mod spec;
 mod syntax;
 
 pub use diagnostic::{Diagnostic, Severity, nearest, position, suggestion, tidy};
+pub use edit::{replace_all, set_field};
 pub use manual::manual;
 pub use read::{Parsed, parse};
 pub use scene::*;

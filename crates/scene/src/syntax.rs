@@ -173,7 +173,7 @@ fn is_blank(c: char) -> bool {
 }
 
 /// The offset behind blanks and comments.
-fn skip_blank(text: &str, mut at: usize) -> usize {
+pub(crate) fn skip_blank(text: &str, mut at: usize) -> usize {
     loop {
         let rest = &text[at..];
         let blank = rest.len() - rest.trim_start_matches(is_blank).len();

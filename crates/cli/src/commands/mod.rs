@@ -4,6 +4,7 @@ pub mod check;
 pub mod explain;
 pub mod laws;
 pub mod run;
+pub mod trade;
 
 use std::process::ExitCode;
 

@@ -50,7 +50,7 @@ pub fn run(arguments: &RunArguments) -> Exit {
 
 /// Lets the first Ctrl-C or termination signal end the run after its current steps, and a second one end the program at
 /// once.
-fn catch_signals(stop: &Arc<AtomicBool>) -> Result<(), ctrlc::Error> {
+pub(super) fn catch_signals(stop: &Arc<AtomicBool>) -> Result<(), ctrlc::Error> {
     let stop = Arc::clone(stop);
     ctrlc::set_handler(move || {
         if stop.swap(true, Ordering::Relaxed) {

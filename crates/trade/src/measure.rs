@@ -1,0 +1,203 @@
+//! One run of one setting.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use granule_drivers::{Advance, Driver, TimeStepDriver};
+use granule_law_api::Registry;
+use granule_observers::Energy;
+use granule_plan::Plan;
+use granule_scene::{BodyBlock, Scene, Spanned, StepChoice};
+use serde::{Deserialize, Serialize};
+
+use crate::observable::{Kind, Observable, kind};
+use crate::{Setting, TradeError};
+
+/// Share of the run at its end over which means are taken.
+const LAST: f64 = 0.2;
+/// Moments in that share, and before it.
+const MOMENTS: u64 = 20;
+/// Shortest wall-clock time that is measured: shorter runs are repeated.
+const MEASURABLE: Duration = Duration::from_millis(20);
+/// Realisations of a scene without random parts differ by this share of the steps.
+const SPREAD: u64 = 64;
+
+/// What one run shows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Sample {
+    /// Components of each observable.
+    pub values: Vec<Vec<f64>>,
+    /// Size of each observable: the largest component at the moments looked at.
+    pub scales: Vec<f64>,
+    /// Wall-clock time \[s\].
+    pub wall: f64,
+    /// Steps.
+    pub steps: u64,
+    /// Time step \[s\].
+    pub step: f64,
+    /// Bytes of state and lists a body.
+    pub bytes_per_body: f64,
+}
+
+/// A scene to run.
+pub(crate) struct Subject<'a> {
+    pub scene: &'a Scene,
+    pub registry: &'a Registry,
+    /// Folder of the scene, for imports.
+    pub folder: &'a Path,
+    /// Simulated time of every run \[s\].
+    pub duration: f64,
+    pub observables: &'a [Observable],
+    pub ledger: bool,
+}
+
+impl Subject<'_> {
+    /// The plan of a setting; `None` with the reason if it does not apply.
+    pub fn plan(&self, setting: &Setting) -> Result<Plan, String> {
+        let scene = setting
+            .apply(self.scene, self.registry, self.duration)
+            .ok_or("its stiffness is no parameter of these laws")?;
+        self.plan_scene(scene)
+    }
+
+    fn plan_scene(&self, mut scene: Scene) -> Result<Plan, String> {
+        scene.ledger |= self.ledger;
+        let (plan, diagnostics) = granule_plan::build(&scene, self.registry, self.folder);
+        plan.ok_or_else(|| {
+            let messages = diagnostics.iter().filter(|d| d.severity == granule_scene::Severity::Error);
+            messages.map(|d| d.message.clone()).collect::<Vec<_>>().join("; ")
+        })
+    }
+
+    /// The plan of one realisation of a setting: another seed where the scene has random parts, else another step.
+    pub fn realisation(&self, setting: &Setting, index: u64) -> Result<Plan, String> {
+        let mut scene = setting
+            .apply(self.scene, self.registry, self.duration)
+            .ok_or("its stiffness is no parameter of these laws")?;
+        if index == 0 {
+            return self.plan_scene(scene);
+        }
+        if is_random(&scene) {
+            scene.seed = scene.seed.wrapping_add(index);
+            return self.plan_scene(scene);
+        }
+        let steps = self.plan_scene(scene.clone())?.driver.steps;
+        let more = steps + index * steps.div_ceil(SPREAD);
+        let span = scene.driver.step.span.clone();
+        scene.driver.step = Spanned::new(StepChoice::Fixed(self.duration / more as f64), span);
+        self.plan_scene(scene)
+    }
+
+    /// Runs one realisation.
+    pub fn run(&self, setting: &Setting, index: u64, stop: &AtomicBool) -> Result<Sample, TradeError> {
+        let failed = |reason: String| TradeError::Run { setting: setting.label(), reason };
+        let plan = Arc::new(self.realisation(setting, index).map_err(failed)?);
+        let mut best: Option<Sample> = None;
+        let begin = Instant::now();
+        loop {
+            let sample = self.once(&plan, stop).map_err(|error| match error {
+                Some(reason) => failed(reason),
+                None => TradeError::Stopped,
+            })?;
+            best = match best {
+                Some(best) if best.wall <= sample.wall => Some(best),
+                _ => Some(sample),
+            };
+            if begin.elapsed() >= MEASURABLE
+                && let Some(best) = best
+            {
+                return Ok(best);
+            }
+        }
+    }
+
+    fn once(&self, plan: &Arc<Plan>, stop: &AtomicBool) -> Result<Sample, Option<String>> {
+        let mut driver =
+            TimeStepDriver::new(plan.clone(), Some(1)).map_err(|error| Some(error.to_string()))?;
+        let start = Energy::of(&driver.view());
+        let measure = |driver: &TimeStepDriver| -> Vec<Vec<f64>> {
+            let view = driver.view();
+            let now = Energy::of(&view);
+            self.observables.iter().map(|observable| observable.measure(&view, &now, &start)).collect()
+        };
+        let steps = plan.driver.steps;
+        let mut scales = sizes(&measure(&driver));
+        // Moments before the last share are looked at for the size of the observables only.
+        let begin_of_mean = match kind(plan) {
+            Kind::Paths => steps,
+            Kind::Means => steps - (LAST * steps as f64).round() as u64 + 1,
+        };
+        let mut moments: Vec<u64> = match kind(plan) {
+            Kind::Paths => vec![steps],
+            Kind::Means => (1..=MOMENTS)
+                .map(|moment| begin_of_mean * moment / MOMENTS)
+                .chain((0..MOMENTS).map(|moment| steps - (steps - begin_of_mean) * moment / MOMENTS))
+                .collect(),
+        };
+        moments.sort_unstable();
+        moments.dedup();
+        let mut sums: Vec<Vec<f64>> = Vec::new();
+        let mut summed = 0.0;
+        let mut wall = Duration::ZERO;
+        for moment in moments {
+            let begin = Instant::now();
+            match driver.advance(moment, stop) {
+                Ok(Advance::Reached) => {}
+                Ok(Advance::Stopped) => return Err(None),
+                Err(error) => return Err(Some(error.to_string())),
+            }
+            wall += begin.elapsed();
+            let values = measure(&driver);
+            for (scale, size) in scales.iter_mut().zip(sizes(&values)) {
+                *scale = scale.max(size);
+            }
+            if moment < begin_of_mean {
+                continue;
+            }
+            summed += 1.0;
+            if sums.is_empty() {
+                sums = values;
+            } else {
+                for (sum, value) in sums.iter_mut().flatten().zip(values.iter().flatten()) {
+                    *sum += value;
+                }
+            }
+        }
+        for sum in sums.iter_mut().flatten() {
+            *sum /= summed;
+        }
+        let engine = driver.engine();
+        let bytes = engine.bodies().layout().bytes_per_body() as f64
+            + engine.list_bytes() as f64 / plan.bodies.len().max(1) as f64;
+        Ok(Sample {
+            values: sums,
+            scales,
+            wall: wall.as_secs_f64(),
+            steps,
+            step: plan.driver.step,
+            bytes_per_body: bytes,
+        })
+    }
+}
+
+/// Largest component of each observable.
+fn sizes(values: &[Vec<f64>]) -> Vec<f64> {
+    values
+        .iter()
+        .map(|components| components.iter().fold(0.0, |most: f64, value| most.max(value.abs())))
+        .collect()
+}
+
+/// The initial state has random parts, so that another seed is another realisation.
+pub(crate) fn is_random(scene: &Scene) -> bool {
+    scene.bodies.items.iter().any(|block| match block {
+        BodyBlock::Fill(_) => true,
+        BodyBlock::Lattice(lattice) => {
+            lattice.jitter.as_ref().is_some_and(|jitter| jitter.value > 0.0)
+                || lattice.velocity_spread.as_ref().is_some_and(|spread| spread.value > 0.0)
+        }
+        BodyBlock::Single(_) | BodyBlock::Import(_) => false,
+    })
+}
