@@ -39,6 +39,12 @@ pub enum Command {
     },
     /// Measure what speed costs in accuracy for a scene, and write the choice back as a scene
     Trade(TradeArguments),
+    /// What the laws of a scene do in a single contact
+    Law {
+        /// What to do.
+        #[command(subcommand)]
+        command: LawCommand,
+    },
     /// List the contact laws, or show one with its parameters, formula and sources
     Laws {
         /// Name of a law, as in scenes
@@ -52,6 +58,26 @@ pub enum Command {
         /// Shell
         shell: clap_complete::Shell,
     },
+}
+
+/// `granule law`.
+#[derive(Debug, Subcommand)]
+pub enum LawCommand {
+    /// Print requested and realised restitutions, duration and largest overlap for each pair of materials
+    Check {
+        /// Scene file
+        scene: PathBuf,
+        /// Normal speed of impact in m/s [default: the largest that the scene expects]
+        #[arg(long, value_name = "SPEED", value_parser = positive)]
+        speed: Option<f64>,
+    },
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("a speed is a positive number of metres per second".to_string()),
+    }
 }
 
 /// `granule run`.

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
-use args::{Arguments, Command};
+use args::{Arguments, Command, LawCommand};
 use commands::Exit;
 
 /// Reads the command line of this process and does what it says.
@@ -20,6 +20,7 @@ pub fn main() -> ExitCode {
         Command::Explain { scene } => commands::explain::explain(&scene),
         Command::Check { scenes } => commands::check::check(&scenes),
         Command::Trade(arguments) => commands::trade::trade(&arguments),
+        Command::Law { command: LawCommand::Check { scene, speed } } => commands::law::check(&scene, speed),
         Command::Laws { name, example } => commands::laws::laws(name.as_deref(), example),
         Command::Completions { shell } => {
             let mut script = Vec::new();

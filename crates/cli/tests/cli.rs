@@ -280,6 +280,21 @@ fn a_plan_is_explained() {
 }
 
 #[test]
+fn laws_of_a_scene_are_checked_in_a_single_contact() {
+    let case = Case::new();
+    case.write("pair.ron", &scene("(duration: \"1 ms\")", OUTPUTS));
+    for arguments in [&["law", "check", "pair.ron"][..], &["law", "check", "pair.ron", "--speed", "0.01"]] {
+        let done = case.granule(arguments);
+        for words in ["requested", "realised", "restitution e_n", "contact duration t_c", "maximum overlap"] {
+            assert!(done.exits(0).out.contains(words), "{words} not in\n{}", done.out);
+        }
+    }
+    assert!(case.granule(&["law", "check", "pair.ron", "--speed", "0.01"]).out.contains("at 0.01 m/s"));
+    case.granule(&["law", "check", "pair.ron", "--speed", "0"]).exits(2);
+    case.granule(&["law", "check", "none.ron"]).exits(1);
+}
+
+#[test]
 fn quiet_is_quiet() {
     let case = Case::new();
     case.write("pair.ron", &scene("(duration: \"1 ms\")", OUTPUTS));

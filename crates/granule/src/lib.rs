@@ -35,6 +35,7 @@
 //! names each once: `use my_law as _;`.
 
 mod directory;
+mod law_check;
 mod load;
 mod progress;
 mod record;
@@ -43,6 +44,7 @@ mod run;
 pub use directory::{DirectoryError, default_directory};
 pub use granule_plan::explain;
 pub use granule_trade as trade;
+pub use law_check::{Figures, LawCheck, law_check};
 pub use load::{LoadError, Loaded, Source, laws, load, load_text};
 pub use progress::{Outlook, Progress, Silent, Status};
 pub use run::{Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};
@@ -76,7 +78,7 @@ pub mod prelude {
     pub use granule_scene::{Diagnostic, Severity};
 
     pub use crate::{
-        Ending, LoadError, Loaded, Outlook, Progress, RunError, RunOptions, RunSummary, Silent, Source,
-        Status,
+        Ending, LawCheck, LoadError, Loaded, Outlook, Progress, RunError, RunOptions, RunSummary, Silent,
+        Source, Status,
     };
 }

@@ -10,3 +10,4 @@ use granule_law_substrate as _;
 use granule_law_tangential_coulomb as _;
 use granule_law_tangential_spring as _;
 use granule_law_tangential_viscous as _;
+use granule_law_viscoelastic as _;

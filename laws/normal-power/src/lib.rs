@@ -1,6 +1,7 @@
 //! Power laws along the normal, Hertz among them.
 
 mod closed_form;
+mod design;
 mod hertz;
 mod power_law;
 

@@ -8,6 +8,7 @@ use granule_law_api::{
 };
 
 use crate::closed_form::PowerContact;
+use crate::design;
 
 const MODULUS: ParamSpec = ParamSpec {
     name: "modulus",
@@ -89,17 +90,59 @@ struct Model {
 impl Model {
     fn new(params: &Params, pair: &PairContext) -> Result<Self, LawError> {
         let value = |spec: &ParamSpec| params.value(spec);
-        let damping = if params.form() == 0 {
-            Damping::Ratio(oscillator::damping_ratio(value(&RESTITUTION)?, pair.contact_end))
-        } else {
-            Damping::General {
-                coefficient: value(&DAMPING)?,
+        let (modulus, exponent) = (value(&MODULUS)?, value(&EXPONENT)?);
+        let general = |coefficient: f64| -> Result<Self, LawError> {
+            let damping = Damping::General {
+                coefficient,
                 overlap_exponent: value(&OVERLAP_EXPONENT)?,
                 velocity_exponent: value(&VELOCITY_EXPONENT)?,
                 reference_speed: value(&REFERENCE_SPEED)?,
-            }
+            };
+            Ok(Self { modulus, exponent, damping })
         };
-        Ok(Self { modulus: value(&MODULUS)?, exponent: value(&EXPONENT)?, damping })
+        match params.form() {
+            0 => {
+                let ratio = oscillator::damping_ratio(value(&RESTITUTION)?, pair.contact_end);
+                Ok(Self { modulus, exponent, damping: Damping::Ratio(ratio) })
+            }
+            1 => general(value(&DAMPING)?),
+            _ => general(1.0)?.tuned(value(&RESTITUTION)?, value(&REFERENCE_SPEED)?, pair),
+        }
+    }
+
+    /// The same with the damping coefficient that gives this restitution at this speed, to 1e-7.
+    fn tuned(self, restitution: f64, speed: f64, pair: &PairContext) -> Result<Self, LawError> {
+        let Damping::General { overlap_exponent, velocity_exponent, reference_speed, .. } = self.damping
+        else {
+            return Ok(self);
+        };
+        if !(pair.reduced_mass.is_single() && pair.reduced_radius.is_single()) {
+            let (mass, radius) = (pair.reduced_mass, pair.reduced_radius);
+            return Err(LawError::new(format!(
+                "one damping coefficient gives one restitution at one reduced mass and radius, but the bodies have {:e} to {:e} \
+                 kg and {:e} to {:e} m",
+                mass.min, mass.max, radius.min, radius.max
+            ))
+            .at("restitution")
+            .help("give damping, or leave out reference_speed for a restitution that is the same for every pair"));
+        }
+        let impact = Impact {
+            reduced_mass: pair.reduced_mass.max,
+            reduced_radius: pair.reduced_radius.max,
+            normal_speed: speed,
+        };
+        let with = |coefficient: f64| Self {
+            damping: Damping::General { coefficient, overlap_exponent, velocity_exponent, reference_speed },
+            ..self
+        };
+        // Critical damping at the largest overlap, in units of the coefficient.
+        let overlap = with(0.0).outcome(&impact, pair.contact_end).maximum_overlap;
+        let (stiffness, unit) = with(1.0).at(overlap, speed, impact.reduced_mass, impact.reduced_radius);
+        let scale = (stiffness * impact.reduced_mass).sqrt() / unit;
+        let coefficient = design::coefficient(restitution, scale, |coefficient| {
+            with(coefficient).outcome(&impact, pair.contact_end).restitution
+        });
+        Ok(with(coefficient))
     }
 
     /// Secant stiffness and damping coefficient.
@@ -179,6 +222,12 @@ impl ContactLaw for PowerLaw {
                 required: &[&MODULUS, &EXPONENT, &DAMPING],
                 optional: &[(&OVERLAP_EXPONENT, 0.0), (&VELOCITY_EXPONENT, 0.0), (&REFERENCE_SPEED, 1.0)],
             },
+            Form {
+                doc: "Damping of any exponents, with the coefficient that gives this restitution at the reference speed; for one \
+                      reduced mass and radius.",
+                required: &[&MODULUS, &EXPONENT, &RESTITUTION, &REFERENCE_SPEED],
+                optional: &[(&OVERLAP_EXPONENT, 0.0), (&VELOCITY_EXPONENT, 0.0)],
+            },
         ],
         examples: &[
             &[("modulus", 3e7), ("exponent", 0.5), ("restitution", 0.8)],
@@ -191,6 +240,13 @@ impl ContactLaw for PowerLaw {
                 ("damping", 0.1),
                 ("velocity_exponent", 0.2),
                 ("reference_speed", 0.5),
+            ],
+            &[
+                ("modulus", 3e7),
+                ("exponent", 0.5),
+                ("restitution", 0.7),
+                ("reference_speed", 0.5),
+                ("overlap_exponent", 0.5),
             ],
         ],
         contact_ends: &[ContactEnd::Force, ContactEnd::Overlap],
@@ -399,6 +455,34 @@ mod tests {
             assert!(e[0] < 0.9, "not strong: {e:?}");
             // The reference integration is good to 1e-8.
             assert!((e[0] - e[1]).abs() < 1e-7 && (e[1] - e[2]).abs() < 1e-7, "{e:?}");
+        }
+    }
+
+    /// Any exponents can be tuned to a restitution at a speed, for both ends of contact.
+    #[test]
+    fn damping_is_found_from_the_restitution_at_a_speed() {
+        for end in [ContactEnd::Force, ContactEnd::Overlap] {
+            for [exponent, overlap_exponent, velocity_exponent] in
+                [[0.5, 0.5, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 0.5], [1.0, 0.3, 0.2]]
+            {
+                for wanted in [0.9, 0.4] {
+                    let values = [
+                        ("modulus", 3e7),
+                        ("exponent", exponent),
+                        ("restitution", wanted),
+                        ("reference_speed", 0.3),
+                        ("overlap_exponent", overlap_exponent),
+                        ("velocity_exponent", velocity_exponent),
+                    ];
+                    let params = Params::new(&PowerLaw::INFO, &values).unwrap();
+                    let pair = PairContext { contact_end: end, ..PairContext::single(2e-5, 1e-3, 0.4, 0.3) };
+                    let impact = Impact { reduced_mass: 2e-5, reduced_radius: 1e-3, normal_speed: 0.3 };
+                    let stage = PowerLaw::compile::<f64>(&params, &pair).unwrap();
+                    let found = reference::impact_with(&*stage, &impact, end, 1e-4).restitution;
+                    // The stated accuracy.
+                    assert!((found - wanted).abs() < 2e-7, "{end:?} {values:?}: {found}");
+                }
+            }
         }
     }
 

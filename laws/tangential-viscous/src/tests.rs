@@ -1,6 +1,6 @@
 use super::*;
 use granule_law_api::testing::{Contacts, conformance};
-use granule_law_api::{Conventions, Stage};
+use granule_law_api::{Conventions, NormalSummary, Span, Stage};
 
 #[test]
 fn conforms() {
@@ -71,4 +71,32 @@ fn slip_decays_exponentially() {
         0.7 * (-2.0 * eta * duration).exp(),
         max_relative = 1e-14
     );
+}
+
+/// exp(-2 η_t t_c) = -e_t0 (Luding 1998, Eq. (50)), for both ways in which a normal law gives its duration and any inertia
+/// factor.
+#[test]
+fn tangential_restitution_is_the_one_asked_for() {
+    let (mass, stiffness): (f64, f64) = (3e-6, 2e4);
+    let factor = 2.7;
+    let duration = factor * (mass / stiffness).sqrt();
+    for rule in [DurationRule::Constant(duration), DurationRule::Oscillator(factor)] {
+        for (q, wanted) in [(0.4, -0.3), (0.5, -0.9), (2.0 / 3.0, -1.0)] {
+            let pair = PairContext {
+                normal: Some(NormalSummary { duration: rule, scale: None }),
+                ..PairContext::single(mass, 1e-3, q, 0.5)
+            };
+            let params =
+                Params::new(&ViscousTangential::INFO, &[("tangential_restitution", wanted)]).unwrap();
+            let coefficient = damping(&params, &pair).unwrap().at(mass, 0.0, stiffness);
+            let eta = (1.0 + 1.0 / q) * coefficient / (2.0 * mass);
+            approx::assert_relative_eq!(-(-2.0 * eta * duration).exp(), wanted, max_relative = 1e-14);
+        }
+    }
+    let params = Params::new(&ViscousTangential::INFO, &[("tangential_restitution", -0.5)]).unwrap();
+    let mixed = PairContext {
+        inertia_factor: Span { min: 0.4, max: 0.5 },
+        ..PairContext::single(mass, 1e-3, 0.4, 0.5)
+    };
+    assert!(damping(&params, &mixed).unwrap_err().to_string().contains("the bodies have 0.4 to 0.5"));
 }

@@ -2,9 +2,9 @@
 
 use granule_law_api::testing::reference;
 use granule_law_api::{
-    CHUNK, Columns, ContactChunk, ContactLaw, CoulombCap, Dimension, Form, Impact, LawError, LawInfo,
-    ObliqueImpact, Oracle, PairContext, ParamSpec, Params, Real, Slot, Source, Stage, TimeScale, ValueRange,
-    register_law, vectorised,
+    Bound, CHUNK, Columns, ContactChunk, ContactLaw, CoulombCap, Dimension, DurationRule, Form, Impact,
+    LawError, LawInfo, ObliqueImpact, Oracle, PairContext, ParamSpec, Params, Real, Slot, Source, Stage,
+    TimeScale, ValueRange, register_law, vectorised,
 };
 
 const DAMPING: ParamSpec = ParamSpec {
@@ -28,6 +28,14 @@ const DAMPING_RATIO: ParamSpec = ParamSpec {
     dimension: Dimension::DIMENSIONLESS,
     range: ValueRange::NON_NEGATIVE,
 };
+const TANGENTIAL_RESTITUTION: ParamSpec = ParamSpec {
+    name: "tangential_restitution",
+    symbol: "e_t0",
+    doc: "Tangential restitution of an impact below the friction limit: minus the slip after over that before, -1 for no \
+          effect; zero would need infinite damping, and a damper reverses nothing.",
+    dimension: Dimension::DIMENSIONLESS,
+    range: ValueRange { low: Bound::Inclusive(-1.0), high: Bound::Exclusive(0.0), infinite: false },
+};
 const FRICTION: ParamSpec = ParamSpec {
     name: "friction",
     symbol: "mu",
@@ -49,19 +57,49 @@ enum Damping {
     Mass(f64),
     /// Factor times the damping of the normal law.
     Normal(f64),
+    /// Factor times sqrt(m12 k_n).
+    Root(f64),
 }
 
-fn damping(params: &Params) -> Result<Damping, LawError> {
+fn damping(params: &Params, pair: &PairContext) -> Result<Damping, LawError> {
     Ok(match params.form() {
         0 => Damping::Fixed(params.value(&DAMPING)?),
         1 => Damping::Mass(params.value(&DAMPING_RATE)?),
-        _ => Damping::Normal(params.value(&DAMPING_RATIO)?),
+        2 => Damping::Normal(params.value(&DAMPING_RATIO)?),
+        _ => designed(params.value(&TANGENTIAL_RESTITUTION)?, pair)?,
     })
 }
 
+/// The damper that leaves the slip at -e_t0 of its value: exp(-2 η_t t_c) = -e_t0 with η_t = (1 + 1/q) γ_t/(2 m12) (Luding
+/// 1998, Eqs. (49)-(50)) and the true duration of the contact.
+fn designed(restitution: f64, pair: &PairContext) -> Result<Damping, LawError> {
+    let blame = |message: String, help: &str| LawError::new(message).at("tangential_restitution").help(help);
+    let q = pair.inertia_factor;
+    if !q.is_single() {
+        return Err(blame(
+            format!(
+                "one tangential restitution needs one inertia factor, but the bodies have {} to {}",
+                q.min, q.max
+            ),
+            "give tangential_restitution per pair of materials with one shape each, or give damping",
+        ));
+    }
+    let factor = -(-restitution).ln() * q.max / (1.0 + q.max);
+    match pair.normal.map(|normal| normal.duration) {
+        Some(DurationRule::Constant(duration)) => Ok(Damping::Mass(factor / duration)),
+        Some(DurationRule::Oscillator(phase)) => Ok(Damping::Root(factor / phase)),
+        Some(DurationRule::Unknown) | None => Err(blame(
+            "needs a normal law whose contact duration is the same at every speed".to_string(),
+            "use LinearSpringDashpot with (restitution, contact_duration) or (stiffness, restitution), \
+             or give damping instead",
+        )),
+    }
+}
+
 impl Damping {
-    fn at(self, mass: f64, normal_damping: f64) -> f64 {
+    fn at(self, mass: f64, normal_damping: f64, normal_stiffness: f64) -> f64 {
         match self {
+            Self::Root(factor) => factor * (mass * normal_stiffness).sqrt(),
             Self::Fixed(value) => value,
             Self::Mass(rate) => rate * mass,
             Self::Normal(ratio) => ratio * normal_damping,
@@ -86,10 +124,11 @@ impl ContactLaw for ViscousTangential {
         reads: Columns::TANGENTIAL_VELOCITY
             .and(Columns::NORMAL_FORCE)
             .and(Columns::NORMAL_DAMPING)
+            .and(Columns::NORMAL_STIFFNESS)
             .and(Columns::REDUCED_MASS),
         writes: Columns::TANGENTIAL_FORCE,
         history: &[],
-        parameters: &[&DAMPING, &DAMPING_RATE, &DAMPING_RATIO, &FRICTION],
+        parameters: &[&TANGENTIAL_RESTITUTION, &DAMPING, &DAMPING_RATE, &DAMPING_RATIO, &FRICTION],
         forms: &[
             Form {
                 doc: "One damping coefficient for every pair.",
@@ -106,19 +145,27 @@ impl ContactLaw for ViscousTangential {
                 required: &[&DAMPING_RATIO],
                 optional: NO_LIMIT,
             },
+            Form {
+                doc: "Physical intent: exactly this tangential restitution below the friction limit, in the hard limit. Needs a \
+                      normal law whose contact duration has a closed form, and one inertia factor.",
+                required: &[&TANGENTIAL_RESTITUTION],
+                optional: NO_LIMIT,
+            },
         ],
         examples: &[
             &[("damping", 5.0)],
             &[("damping", 5.0), ("friction", 0.5)],
             &[("damping_rate", 1310.0), ("friction", 0.5)],
             &[("damping_ratio", 0.5), ("friction", 0.3)],
+            &[("tangential_restitution", -0.4)],
+            &[("tangential_restitution", -0.4), ("friction", 0.3)],
         ],
         contact_ends: &[],
         dissipative: true,
     };
 
     fn compile<T: Real>(params: &Params, pair: &PairContext) -> Result<Box<dyn Stage<T>>, LawError> {
-        let damping = damping(params)?;
+        let damping = damping(params, pair)?;
         let friction = params.value(&FRICTION)?;
         let repulsive = pair.conventions.coulomb_cap == CoulombCap::Repulsive;
         let infinite = friction == f64::INFINITY;
@@ -126,6 +173,7 @@ impl ContactLaw for ViscousTangential {
             Damping::Fixed(value) => stage::<T, FIXED>(value, friction, repulsive, infinite),
             Damping::Mass(value) => stage::<T, MASS>(value, friction, repulsive, infinite),
             Damping::Normal(value) => stage::<T, NORMAL>(value, friction, repulsive, infinite),
+            Damping::Root(value) => stage::<T, ROOT>(value, friction, repulsive, infinite),
         })
     }
 
@@ -136,7 +184,8 @@ impl ContactLaw for ViscousTangential {
         impact: &Impact,
     ) -> Result<Option<TimeScale>, LawError> {
         let normal = pair.normal.and_then(|normal| normal.scale);
-        let coefficient = damping(params)?.at(impact.reduced_mass, normal.map_or(0.0, |scale| scale.damping));
+        let (viscous, elastic) = normal.map_or((0.0, 0.0), |scale| (scale.damping, scale.stiffness));
+        let coefficient = damping(params, pair)?.at(impact.reduced_mass, viscous, elastic);
         if coefficient == 0.0 {
             return Ok(None);
         }
@@ -150,8 +199,8 @@ impl ContactLaw for ViscousTangential {
         }))
     }
 
-    fn oracle(params: &Params, _pair: &PairContext) -> Oracle {
-        match (damping(params), params.value(&FRICTION)) {
+    fn oracle(params: &Params, pair: &PairContext) -> Oracle {
+        match (damping(params, pair), params.value(&FRICTION)) {
             (Ok(damping), Ok(friction)) => {
                 Oracle::Tangential(Box::new(move |impact| Some(after(damping, friction, impact))))
             }
@@ -164,7 +213,9 @@ impl ContactLaw for ViscousTangential {
         match params.form() {
             0 => columns,
             1 => columns.and(Columns::REDUCED_MASS),
-            _ => columns.and(Columns::NORMAL_DAMPING),
+            2 => columns.and(Columns::NORMAL_DAMPING),
+            // Which of them is needed depends on the normal law.
+            _ => columns.and(Columns::REDUCED_MASS).and(Columns::NORMAL_STIFFNESS),
         }
     }
 }
@@ -173,7 +224,7 @@ register_law!(ViscousTangential);
 
 /// Luding 1998, Eq. (49) without a limit; with one, the equation of motion is integrated.
 fn after(damping: Damping, friction: f64, impact: &ObliqueImpact) -> f64 {
-    let coefficient = damping.at(impact.impact.reduced_mass, 0.0);
+    let coefficient = damping.at(impact.impact.reduced_mass, 0.0, impact.normal_stiffness);
     let mass = impact.tangential_mass;
     if friction == f64::INFINITY {
         return impact.tangential_speed * (-coefficient * impact.duration / mass).exp();
@@ -190,6 +241,7 @@ fn after(damping: Damping, friction: f64, impact: &ObliqueImpact) -> f64 {
 const FIXED: u8 = 0;
 const MASS: u8 = 1;
 const NORMAL: u8 = 2;
+const ROOT: u8 = 3;
 
 struct Viscous<T, const DAMPING: u8, const LIMITED: bool> {
     damping: T,
@@ -219,8 +271,14 @@ impl<T: Real, const DAMPING: u8, const LIMITED: bool> Stage<T> for Viscous<T, DA
         let normal_force = &chunk.normal_force[..n];
         let by: &[T] = match DAMPING {
             FIXED => overlap,
-            MASS => &chunk.reduced_mass[..n],
+            MASS | ROOT => &chunk.reduced_mass[..n],
             _ => &chunk.normal_damping[..n],
+        };
+        let stiffness: &[T] = if DAMPING == ROOT { &chunk.normal_stiffness[..n] } else { overlap };
+        let gamma = |k: usize| match DAMPING {
+            FIXED => self.damping,
+            ROOT => self.damping * (by[k] * stiffness[k]).sqrt(),
+            _ => self.damping * by[k],
         };
         let [vx, vy, vz] = chunk.tangential_velocity;
         let (vx, vy, vz) = (&vx[..n], &vy[..n], &vz[..n]);
@@ -230,7 +288,7 @@ impl<T: Real, const DAMPING: u8, const LIMITED: bool> Stage<T> for Viscous<T, DA
         let mut factors = [T::ZERO; CHUNK];
         let factors = &mut factors[..n];
         for k in 0..n {
-            let gamma = if DAMPING == FIXED { self.damping } else { self.damping * by[k] };
+            let gamma = gamma(k);
             let share = if LIMITED {
                 let speed = (vx[k] * vx[k] + vy[k] * vy[k] + vz[k] * vz[k]).sqrt();
                 let force = normal_force[k];
@@ -253,7 +311,7 @@ impl<T: Real, const DAMPING: u8, const LIMITED: bool> Stage<T> for Viscous<T, DA
             let friction = &mut energy.friction[..n];
             for k in 0..n {
                 let square = vx[k] * vx[k] + vy[k] * vy[k] + vz[k] * vz[k];
-                let gamma = if DAMPING == FIXED { self.damping } else { self.damping * by[k] };
+                let gamma = gamma(k);
                 let force = normal_force[k];
                 let force = if self.repulsive { force.max(T::ZERO) } else { force.abs() };
                 let slides = LIMITED && gamma * square.sqrt() > self.friction * force;

@@ -94,7 +94,12 @@ pub fn contact(composition: &Composition) -> Result<Contact, Untranslatable> {
                 let Some(normal) = contact else { return refuse("TangentialSpring", "it has no normal law") };
                 tangential = spring(stage, context, normal)?;
             }
-            "ViscousTangential" => tangential = viscous(stage, context)?,
+            "ViscousTangential" => {
+                let Some(normal) = contact else {
+                    return refuse("ViscousTangential", "it has no normal law");
+                };
+                tangential = viscous(stage, context, normal)?;
+            }
             other => {
                 let slot = stage.slot.name();
                 return refuse(other, format!("no engine has this {slot} law"));
@@ -206,8 +211,22 @@ fn friction(stage: &StagePlan) -> Result<f64, Untranslatable> {
     }
 }
 
-fn viscous(stage: &StagePlan, context: &PairContext) -> Result<Tangential, Untranslatable> {
-    Ok(Tangential::Viscous { damping: damping(stage, context), friction: friction(stage)? })
+fn viscous(stage: &StagePlan, context: &PairContext, normal: Normal) -> Result<Tangential, Untranslatable> {
+    let Some(restitution) = get(stage, "tangential_restitution") else {
+        return Ok(Tangential::Viscous { damping: damping(stage, context), friction: friction(stage)? });
+    };
+    // exp(-γ_t t_c/m_t) = -e_t0 with m_t = m12 q/(1 + q) (Luding 1998, Eqs. (49)-(50)).
+    let q = context.inertia_factor.max;
+    let decay = -(-restitution).ln() * q / (1.0 + q);
+    let duration = match (context.normal.map(|normal| normal.duration), normal) {
+        (Some(DurationRule::Constant(duration)), _) => duration,
+        (Some(DurationRule::Oscillator(factor)), Normal::Linear { stiffness, .. }) => {
+            factor * (one_mass(stage, context)? / stiffness).sqrt()
+        }
+        _ => return unknown_form(stage),
+    };
+    let damping = Damping::Linear(Linear::rate(decay / duration, context.reduced_mass));
+    Ok(Tangential::Viscous { damping, friction: friction(stage)? })
 }
 
 fn spring(stage: &StagePlan, context: &PairContext, normal: Normal) -> Result<Tangential, Untranslatable> {

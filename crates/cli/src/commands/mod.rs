@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod explain;
+pub mod law;
 pub mod laws;
 pub mod run;
 pub mod trade;
