@@ -52,6 +52,8 @@ pub struct Engine {
     force_time: f64,
     /// The radius of all bodies, if they have the same bits.
     radius: Option<f64>,
+    /// Walls at the time of the last force evaluation.
+    walls: Vec<MovedWall>,
     tally: Tally,
     work: Work,
     substrate: SubstrateTally,
@@ -107,6 +109,7 @@ impl Engine {
             evaluation: 2,
             force_time: 0.0,
             radius,
+            walls: Vec::new(),
             work: Work::default(),
             substrate: SubstrateTally::default(),
         };
@@ -297,14 +300,14 @@ impl Engine {
 
     fn update_lists(&mut self, time: f64) -> Result<(), EngineError> {
         let walls_moved = self.wall_travel(time);
-        let Self { bodies, lists, plan, pool, evaluation, .. } = self;
+        let Self { bodies, lists, plan, pool, evaluation, walls, .. } = self;
         lists.travel(walls_moved);
         let last = evaluation.wrapping_sub(1);
         let parallel = pool.is_some();
         let mut update = || -> Result<(), EngineError> {
             if lists.outer_expired() {
-                let walls = moved_walls(plan, time);
-                lists.rebuild(plan, bodies, &walls, last, parallel)?;
+                move_walls(walls, plan, time);
+                lists.rebuild(plan, bodies, walls, last, parallel)?;
                 lists.prune(bodies, last, parallel);
             } else if lists.inner_expired() {
                 lists.prune(bodies, last, parallel);
@@ -338,8 +341,8 @@ impl Engine {
     }
 
     fn evaluate(&mut self, time: f64, time_step: f64, observe: bool) {
-        let Self { bodies, lists, level, plan, pool, evaluation, tally, work, radius, .. } = self;
-        let walls = moved_walls(plan, time);
+        let Self { bodies, lists, level, plan, pool, evaluation, tally, work, radius, walls, .. } = self;
+        move_walls(walls, plan, time);
         let size = lists.tile_size;
         let mut force = std::mem::take(&mut bodies.force);
         let mut torque = std::mem::take(&mut bodies.torque);
@@ -347,7 +350,8 @@ impl Engine {
             bodies: &shared(bodies),
             compositions: &plan.compositions,
             shifts: &lists.shift_rows,
-            walls: &walls,
+            walls,
+            wall_plans: &plan.walls,
             gravity: plan.gravity,
             radius: *radius,
             time_step,
@@ -364,13 +368,13 @@ impl Engine {
         }
         bodies.force = force;
         bodies.torque = torque;
-        let before = plan.ledger.then(|| tally.clone());
+        let before = tally.powers();
         tally.reset();
         for tile in &lists.tiles {
             tally.add(&tile.tally);
         }
-        if let Some(before) = before {
-            work.accumulate(&before, tally, time_step);
+        if plan.ledger {
+            work.accumulate(&before, &tally.powers(), time_step);
         }
         *evaluation = evaluation.wrapping_add(1);
         self.force_time = time;
@@ -405,8 +409,10 @@ impl Engine {
     }
 }
 
-fn moved_walls(plan: &Plan, time: f64) -> Vec<MovedWall<'_>> {
-    plan.walls.iter().map(|plan| MovedWall { surface: plan.wall.surface_at(time), plan, time }).collect()
+/// Brings the walls to a time.
+fn move_walls(walls: &mut Vec<MovedWall>, plan: &Plan, time: f64) {
+    walls.clear();
+    walls.extend(plan.walls.iter().map(|plan| MovedWall { surface: plan.wall.surface_at(time), time }));
 }
 
 fn scheme(scheme: Scheme) -> Box<dyn Integrator> {

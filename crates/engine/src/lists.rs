@@ -1,5 +1,7 @@
 //! Candidate lists: the outer list with the Verlet skin, the inner list pruned from it, and where forces between tiles go.
 
+use std::sync::Mutex;
+
 use granule_geometry::{IMAGE_CODES, NO_IMAGE, NeighbourGrid};
 use granule_plan::{Partner, Plan, Search};
 use granule_state::{Bodies, Row};
@@ -41,6 +43,7 @@ pub(crate) struct Lists {
     partner: Vec<u32>,
     image: Vec<u8>,
     scratch: Vec<Row>,
+    spares: Vec<Mutex<Spare>>,
     /// How often lists were made and pruned.
     pub rebuilds: u64,
     pub prunes: u64,
@@ -85,6 +88,7 @@ impl Lists {
             partner: Vec::new(),
             image: Vec::new(),
             scratch: Vec::new(),
+            spares: Vec::new(),
             rebuilds: 0,
             prunes: 0,
         }
@@ -115,7 +119,7 @@ impl Lists {
         &mut self,
         plan: &Plan,
         bodies: &mut Bodies,
-        walls: &[MovedWall<'_>],
+        walls: &[MovedWall],
         last: u32,
         parallel: bool,
     ) -> Result<(), EngineError> {
@@ -209,7 +213,7 @@ impl Lists {
         &mut self,
         plan: &Plan,
         bodies: &Bodies,
-        walls: &[MovedWall<'_>],
+        walls: &[MovedWall],
         carried: Option<&(Carried, Carried)>,
         last: u32,
         parallel: bool,
@@ -266,8 +270,14 @@ impl Lists {
         self.adapt_inner_skin();
         let (margin, shifts, size) = (self.inner_skin, &self.shifts, self.tile_size);
         let reach = self.reach;
+        let threads = if parallel { rayon::current_num_threads() } else { 1 };
+        self.spares.resize_with(threads.max(self.spares.len()), Default::default);
+        let spares = &self.spares;
         each_tile(&mut self.tiles, parallel, |_, tile| {
-            prune_tile(tile, bodies, shifts, reach + margin, last)
+            let thread = rayon::current_thread_index().unwrap_or(0) % spares.len();
+            // A panic elsewhere poisons a lock on buffers whose contents do not matter.
+            let mut spare = spares[thread].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            prune_tile(tile, &mut spare, bodies, shifts, reach + margin, last);
         });
         for index in 0..self.tiles.len() {
             self.tiles[index].inbox.clear();
@@ -348,7 +358,7 @@ fn fill_wall_list(
     tile: &mut Tile,
     plan: &Plan,
     bodies: &Bodies,
-    walls: &[MovedWall<'_>],
+    walls: &[MovedWall],
     wall_class: &[Option<u32>],
     skin: f64,
     width: usize,
@@ -404,13 +414,29 @@ fn restore(tile: &mut Tile, plan: &Plan, order: &[u32], pairs: &Carried, walls: 
     }
 }
 
-fn prune_tile(tile: &mut Tile, bodies: &Bodies, shifts: &[[f64; 3]; IMAGE_CODES], margin: f64, last: u32) {
-    let old = (std::mem::take(&mut tile.inner_outer), std::mem::take(&mut tile.history));
+/// Buffers of a thread that change places with those of a tile whose inner list is made anew, so that pruning does not
+/// allocate.
+#[derive(Debug, Default)]
+struct Spare {
+    inner_outer: Vec<u32>,
+    history: PairHistory,
+}
+
+fn prune_tile(
+    tile: &mut Tile,
+    old: &mut Spare,
+    bodies: &Bodies,
+    shifts: &[[f64; 3]; IMAGE_CODES],
+    margin: f64,
+    last: u32,
+) {
+    std::mem::swap(&mut tile.inner_outer, &mut old.inner_outer);
+    std::mem::swap(&mut tile.history, &mut old.history);
     let mut known = 0;
     tile.inner.clear();
     tile.inner_ranges.clear();
-    tile.history.width = old.1.width;
-    let mut kept: Vec<u32> = Vec::with_capacity(old.0.len());
+    tile.inner_outer.clear();
+    tile.history.width = old.history.width;
     for range in &tile.outer_ranges {
         let begin = tile.inner.len() as u32;
         for at in range.start..range.end {
@@ -422,26 +448,26 @@ fn prune_tile(tile: &mut Tile, bodies: &Bodies, shifts: &[[f64; 3]; IMAGE_CODES]
             let squared: f64 = (0..3).map(|k| a[k] - b[k] - shift[k]).map(|d| d * d).sum();
             if squared < limit * limit {
                 tile.inner.push(pair);
-                kept.push(at);
+                tile.inner_outer.push(at);
             }
         }
         push_range(&mut tile.inner_ranges, range.composition, begin, tile.inner.len() as u32);
     }
-    if old.1.width > 0 {
+    if old.history.width > 0 {
         tile.history.resize(tile.inner.len());
-        for (at, outer) in kept.iter().enumerate() {
-            while known < old.0.len() && old.0[known] < *outer {
+        let old_outer = &old.inner_outer;
+        for (at, outer) in tile.inner_outer.iter().enumerate() {
+            while known < old_outer.len() && old_outer[known] < *outer {
                 known += 1;
             }
-            if known < old.0.len()
-                && old.0[known] == *outer
-                && let Some(history) = old.1.get(known, last)
+            if known < old_outer.len()
+                && old_outer[known] == *outer
+                && let Some(history) = old.history.get(known, last)
             {
                 tile.history.set(at, last, history);
             }
         }
     }
-    tile.inner_outer = kept;
 }
 
 const _: () = assert!(NO_IMAGE < 32);

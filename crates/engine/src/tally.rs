@@ -34,6 +34,10 @@ impl Tally {
         *self = Self { wall_force, ..Self::default() };
     }
 
+    pub(crate) fn powers(&self) -> Powers {
+        Powers { viscous: self.viscous, friction: self.friction, walls: self.wall_power }
+    }
+
     pub(crate) fn add(&mut self, other: &Self) {
         self.contacts += other.contacts;
         self.wall_contacts += other.wall_contacts;
@@ -52,6 +56,14 @@ impl Tally {
     }
 }
 
+/// The powers of a tally.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Powers {
+    viscous: [f64; Slot::ALL.len()],
+    friction: [f64; Slot::ALL.len()],
+    walls: f64,
+}
+
 /// Work and dissipation since the start of the run, integrated with the trapezoidal rule over the steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Work {
@@ -64,13 +76,13 @@ pub struct Work {
 }
 
 impl Work {
-    pub(crate) fn accumulate(&mut self, before: &Tally, after: &Tally, time_step: f64) {
+    pub(crate) fn accumulate(&mut self, before: &Powers, after: &Powers, time_step: f64) {
         let mean = |a: f64, b: f64| 0.5 * (a + b) * time_step;
         for slot in 0..Slot::ALL.len() {
             self.viscous[slot] += mean(before.viscous[slot], after.viscous[slot]);
             self.friction[slot] += mean(before.friction[slot], after.friction[slot]);
         }
-        self.walls += mean(before.wall_power, after.wall_power);
+        self.walls += mean(before.walls, after.walls);
     }
 }
 

@@ -1,7 +1,7 @@
 //! A tile: consecutive bodies, the pairs whose first body they are, and their forces.
 
 use granule_law_api::Columns;
-use granule_plan::Composition;
+use granule_plan::{Composition, WallPlan};
 use granule_state::{Bodies, Lanes, Row};
 
 use crate::chunk::{BATCH, Batch};
@@ -85,7 +85,8 @@ pub(crate) struct Evaluation<'a> {
     pub compositions: &'a [Composition],
     /// Shift of the separation by image code.
     pub shifts: &'a [Row; 32],
-    pub walls: &'a [MovedWall<'a>],
+    pub walls: &'a [MovedWall],
+    pub wall_plans: &'a [WallPlan],
     pub gravity: [f64; 3],
     /// The radius of all bodies, if they have the same.
     pub radius: Option<f64>,

@@ -1,8 +1,8 @@
 //! Contacts with walls.
 
-use granule_geometry::Surface;
+use granule_geometry::{Surface, Wall};
 use granule_law_api::Columns;
-use granule_plan::{Composition, WallPlan};
+use granule_plan::Composition;
 use granule_state::{Lanes, Row};
 use nalgebra::Vector3;
 
@@ -15,9 +15,8 @@ use crate::tile::{Evaluation, Range, Tile};
 
 /// A wall at the time of the force evaluation.
 #[derive(Clone, Debug)]
-pub(crate) struct MovedWall<'a> {
+pub(crate) struct MovedWall {
     pub surface: Surface,
-    pub plan: &'a WallPlan,
     pub time: f64,
 }
 
@@ -93,7 +92,7 @@ impl Tile {
                 let overlap = row[3] - contact.distance;
                 batch.overlap[count] = T::of(overlap);
                 let touching_point = position - contact.normal * contact.distance;
-                let moving = wall.plan.wall.velocity_at(touching_point, wall.time);
+                let moving = at.wall_plans[pair.wall as usize].wall.velocity_at(touching_point, wall.time);
                 let velocity = Vector3::from(at.bodies.velocity::<S>(place)) - moving;
                 let inverse_mass = at.bodies.velocity[place][3];
                 let mass = if inverse_mass > 0.0 { 1.0 / inverse_mass } else { at.bodies.mass[place] };
@@ -152,14 +151,15 @@ impl Tile {
                     add(torque, torques[k - 4 * g]);
                 }
                 let wall = batch.to[k] as usize;
-                let moving = &at.walls[wall];
+                let (moving, prescribed) = (&at.walls[wall], &at.wall_plans[wall].wall);
                 let f = if S::PLANAR { [f[0], f[1], 0.0] } else { f.vector() };
                 let sum = &mut self.tally.wall_force[wall];
                 for axis in 0..3 {
                     sum[axis] -= f[axis];
                 }
-                if at.ledger && !moving.plan.wall.motion().is_fixed() {
-                    self.tally.wall_power += wall_power(moving, at.bodies.position[self.first + body], f);
+                if at.ledger && !prescribed.motion().is_fixed() {
+                    let row = at.bodies.position[self.first + body];
+                    self.tally.wall_power += wall_power(moving, prescribed, row, f);
                 }
             }
         }
@@ -194,9 +194,9 @@ fn project<T: Arithmetic>(
 }
 
 /// Power that a moving wall exerts on a body through the force `f` on it \[W\].
-fn wall_power(wall: &MovedWall<'_>, row: Row, f: [f64; 3]) -> f64 {
+fn wall_power(wall: &MovedWall, prescribed: &Wall, row: Row, f: [f64; 3]) -> f64 {
     let position = Vector3::new(row[0], row[1], row[2]);
     let contact = wall.surface.contact(position);
-    let velocity = wall.plan.wall.velocity_at(position - contact.normal * contact.distance, wall.time);
+    let velocity = prescribed.velocity_at(position - contact.normal * contact.distance, wall.time);
     f[0] * velocity[0] + f[1] * velocity[1] + f[2] * velocity[2]
 }
