@@ -7,7 +7,7 @@ use granule_validation::{bench, validate};
 
 const USAGE: &str = "usage: granule-validation validate [--out DIR] [--case NAME]... [--record]
        granule-validation bench [CASE]... [--all] [--list] [--cores N,N..] [--pairs N] [--steps N] [--single] [--out DIR]
-       granule-validation bench parts [--out DIR]";
+       granule-validation bench parts|plugin [--pairs N] [--out DIR]";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -44,7 +44,7 @@ fn validate_with(words: &[String]) -> Result<bool, String> {
 
 fn bench_with(words: &[String]) -> Result<bool, String> {
     let mut options = bench::Options::default();
-    let mut parts = false;
+    let mut special = None;
     let mut words = words.iter();
     while let Some(word) = words.next() {
         match word.as_str() {
@@ -67,14 +67,15 @@ fn bench_with(words: &[String]) -> Result<bool, String> {
             option if option.starts_with('-') => {
                 return Err(format!("`{option}` is not an option\n{USAGE}"));
             }
-            "parts" => parts = true,
+            "parts" | "plugin" => special = Some(word.as_str()),
             name => options.words.push(name.to_string()),
         }
     }
-    if parts {
-        return bench::parts(&options.out).map(|()| true);
+    match special {
+        Some("parts") => bench::parts(&options.out).map(|()| true),
+        Some(_) => bench::plug_in_cost(&options).map(|result| result.same_bits),
+        None => bench::bench(&options).map(|_| true),
     }
-    bench::bench(&options).map(|_| true)
 }
 
 /// One of our runs, as the benchmark asks its own program for it: a job in JSON, an answer in JSON.

@@ -24,7 +24,8 @@ cargo xtask <task>
                  --cores  numbers of cores (default: 1 and all)
                  --pairs  rounds of ours and each engine (default 5)
                  --single our laws in single precision
-               `bench parts` counts the instructions of a step by source file (needs valgrind)
+               `bench parts` counts the instructions of a step by source file (needs valgrind), `bench plugin`
+               measures what it costs that laws are crates
   figures NAME [--docs]
                compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding
                  --docs   write them into docs/ instead

@@ -20,7 +20,7 @@ pub struct Detail {
     pub cores: usize,
     /// Steps that were timed in each run.
     pub steps: u64,
-    /// Our 10^6 particle-steps a second, round by round.
+    /// Our 10^6 particle-steps a second, round by round; on one core, a second of the processor.
     pub ours_mps: Vec<f64>,
     /// The last of our runs.
     pub ours: Measured,
@@ -37,7 +37,7 @@ pub struct PeerDetail {
     pub version: String,
     /// How it was told to work: ranks along each direction, search.
     pub tuning: String,
-    /// Its 10^6 particle-steps a second, round by round.
+    /// Its 10^6 particle-steps a second, round by round; on one core, a second of the processor.
     pub mps: Vec<f64>,
     /// Its largest resident memory; of one rank only if there are several \[bytes\].
     pub peak_bytes: Option<u64>,
@@ -138,7 +138,9 @@ pub fn measure(case: &Case, cores: usize, options: &Options, scratch: &Scratch) 
         }
     }
     let Some(ours) = measured.last().cloned() else { return Err("no pairs to run".into()) };
-    let speed = |timed: &Timed| n as f64 * job.steps as f64 / timed.loop_seconds / 1e6;
+    let speed = |timed: &Timed| {
+        n as f64 * job.steps as f64 / timed.processor_seconds.unwrap_or(timed.loop_seconds) / 1e6
+    };
     Ok(Detail {
         case: if options.single { format!("{}-single", case.name) } else { case.name.to_string() },
         n,

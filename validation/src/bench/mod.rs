@@ -6,6 +6,7 @@ mod machine;
 mod measure;
 mod page;
 mod parts;
+mod plugin;
 mod states;
 
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ pub use child::{Job, Measured, run};
 pub use machine::copy_bandwidth;
 pub use measure::{Detail, PeerDetail, measure};
 pub use parts::parts;
+pub use plugin::{PlugIn, plug_in};
 pub use states::{Recipe, prepare};
 
 /// What to run.
@@ -162,6 +164,23 @@ pub fn bench(options: &Options) -> Result<Report, String> {
         }
     }
     Ok(report)
+}
+
+/// Measures what it costs that laws are crates, prints it, and writes `plugin.json`.
+///
+/// # Errors
+/// The scene cannot be planned, a run stops, or a file cannot be written.
+pub fn plug_in_cost(options: &Options) -> Result<PlugIn, String> {
+    let result = plug_in(options, &Scratch::of(&options.out)?)?;
+    println!(
+        "{}: a step with the shipped law crates takes {:.3} (median; least {:.3}) of one with the law fused by hand; bits {}",
+        result.case,
+        result.ratio[1],
+        result.ratio[0],
+        if result.same_bits { "equal" } else { "DIFFER" }
+    );
+    page::save_json(&options.out, "plugin.json", &result)?;
+    Ok(result)
 }
 
 fn line(row: &Row) -> String {

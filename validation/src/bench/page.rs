@@ -7,16 +7,20 @@ use granule_report::{Axis, Block, Cell, Document, Plot, Series, Table};
 
 use super::{Details, Report};
 
-/// Writes `bench.json`, `details.json` and `bench.html` into a folder.
+/// Writes `bench.json`, `details.json`, and the page as `bench.md` and `bench.html` into a folder.
 pub(super) fn write(report: &Report, details: &Details, folder: &Path) -> Result<(), String> {
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    save(&folder.join("bench.json"), &json(report)?)?;
-    save(&folder.join("details.json"), &json(details)?)?;
-    save(&folder.join("bench.html"), &document(report, details)?.to_html())
+    save_json(folder, "bench.json", report)?;
+    save_json(folder, "details.json", details)?;
+    let document = document(report, details)?;
+    save(&folder.join("bench.md"), &document.to_markdown())?;
+    save(&folder.join("bench.html"), &document.to_html())
 }
 
-fn json(value: &impl serde::Serialize) -> Result<String, String> {
-    serde_json::to_string_pretty(value).map_err(|error| error.to_string())
+/// Writes a value as JSON into a folder, which is made if it is not there.
+pub(super) fn save_json(folder: &Path, name: &str, value: &impl serde::Serialize) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let text = serde_json::to_string_pretty(value).map_err(|error| error.to_string())?;
+    save(&folder.join(name), &text)
 }
 
 fn save(path: &Path, text: &str) -> Result<(), String> {
@@ -31,7 +35,8 @@ fn document(report: &Report, details: &Details) -> Result<Document, String> {
         .map(|(cores, bytes)| format!("{:.1} GB/s on {cores}", bytes / 1e9))
         .collect();
     document.push(Block::Paragraph(format!(
-        "Particle-steps a second of the loop alone, warm-up excluded; ours and the peers in turn on the same initial data. \
+        "Particle-steps a second of the loop alone, warm-up excluded; ours and the peers in turn on the same initial data. On \
+         one core a second is one of the processor, so that other programs do not count; on several, of the clock. \
          Machine: {}. Copy bandwidth in the same run, by cores: {}.",
         report.machine,
         bandwidths.join(", ")
@@ -126,7 +131,8 @@ fn runs(details: &Details) -> Table {
             Cell::text(format!("{:.0}", detail.ours.working_bytes / detail.n as f64)),
             Cell::text(format!(
                 "{:.1}",
-                1e9 * detail.ours.seconds / (detail.steps as f64 * detail.ours.contacts)
+                1e9 * detail.ours.processor_seconds.unwrap_or(detail.ours.seconds)
+                    / (detail.steps as f64 * detail.ours.contacts)
             )),
             Cell::text(format!("{:.2}", detail.ours.start_seconds)),
             Cell::text(

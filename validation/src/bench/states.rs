@@ -145,14 +145,20 @@ fn last_state(plan: &Arc<Plan>) -> Result<DataFile, String> {
             angular_velocity: if plan.rotation { rows.spin_of(place) } else { table.spin[rank] },
         }
     });
-    Ok(DataFile {
-        title: plan.title.clone(),
-        provenance: None,
-        materials: u16::try_from(plan.materials.len()).unwrap_or(u16::MAX),
-        lo: plan.cell.lo(),
-        hi: plan.cell.hi(),
-        atoms: atoms.collect(),
-    })
+    let atoms: Vec<Atom> = atoms.collect();
+    // The file needs bounds, also of an endless cell.
+    let (mut lo, mut hi) = (plan.cell.lo(), plan.cell.hi());
+    for axis in 0..3 {
+        let ends = |sign: f64| atoms.iter().map(move |atom| atom.position[axis] + sign * atom.radius());
+        if !lo[axis].is_finite() {
+            lo[axis] = ends(-1.0).fold(f64::INFINITY, f64::min);
+        }
+        if !hi[axis].is_finite() {
+            hi[axis] = ends(1.0).fold(f64::NEG_INFINITY, f64::max);
+        }
+    }
+    let materials = u16::try_from(plan.materials.len()).unwrap_or(u16::MAX);
+    Ok(DataFile { title: plan.title.clone(), provenance: None, materials, lo, hi, atoms })
 }
 
 /// Lateral copies of a periodic state, `copies` along x and y.

@@ -30,6 +30,6 @@ pub use model::{
     LiggghtsLaw, LiggghtsNormal, LiggghtsTangential, PeerBody, PeerLaw, PeerMaterial, PeerScene, PeerWall,
     Side, Tuning,
 };
-pub use process::{RunOptions, find_binary, last_lines, peak_resident};
+pub use process::{RunOptions, find_binary, last_lines, peak_resident, processor_seconds};
 pub use record::{Record, today};
 pub use run::{PeerRun, Timed, run, time};

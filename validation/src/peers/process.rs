@@ -29,6 +29,27 @@ pub struct Finished {
     pub output: String,
     /// Largest resident memory of the process that was started (not of its children), if the system tells \[bytes\].
     pub peak_bytes: Option<u64>,
+    /// Seconds since the start, and seconds of the processor that its first thread had got by then, every few hundredths.
+    pub processor: Vec<[f64; 2]>,
+    /// Seconds from the start to the end.
+    pub seconds: f64,
+}
+
+impl Finished {
+    /// Share of a processor that the first thread had over the last `seconds` of the run; `None` if that is not known.
+    pub fn share_of_last(&self, seconds: f64) -> Option<f64> {
+        let last = self.processor.last()?;
+        let begin = self.seconds - seconds;
+        let first = self.processor.iter().rev().find(|[time, _]| *time <= begin)?;
+        (last[0] > first[0]).then(|| (last[1] - first[1]) / (last[0] - first[0]))
+    }
+}
+
+/// Seconds of the processor that the first thread of a process has got; `process` as in `/proc`. Unlike the time of the clock
+/// it does not count when other programs had the processor. `None` where there is no `/proc`.
+pub fn processor_seconds(process: &str) -> Option<f64> {
+    let text = std::fs::read_to_string(format!("/proc/{process}/schedstat")).ok()?;
+    Some(text.split_whitespace().next()?.parse::<u64>().ok()? as f64 * 1e-9)
 }
 
 /// Largest resident memory of a process until now \[bytes\]; `process` as in `/proc`. `None` where there is no `/proc`.
@@ -104,9 +125,12 @@ pub fn run_script(
     let started = Instant::now();
     let process = child.id().to_string();
     let mut peak_bytes = None;
+    let mut processor = Vec::new();
     let status = loop {
         // The value only grows, and after the end there is nothing to read.
         peak_bytes = peak_resident(&process).or(peak_bytes);
+        processor
+            .extend(processor_seconds(&process).map(|seconds| [started.elapsed().as_secs_f64(), seconds]));
         match child.try_wait() {
             Ok(Some(status)) => break status,
             Ok(None) if started.elapsed() > options.timeout => {
@@ -123,17 +147,44 @@ pub fn run_script(
             Err(error) => return Err(PeerError::File(PathBuf::from(&words[0]), error)),
         }
     };
+    let ended = started.elapsed().as_secs_f64();
     let output = read(&stdout_path)?;
     // Both engines print `ERROR` and some builds still end with code 0.
     if !status.success() || output.lines().any(|line| line.starts_with("ERROR")) {
         let tail = engine_lines(&output, &read(&stderr_path)?);
         return Err(PeerError::Failed(engine, status.code(), tail));
     }
-    Ok(Finished { command: words.join(" "), output, peak_bytes })
+    Ok(Finished { command: words.join(" "), output, peak_bytes, processor, seconds: ended })
 }
 
 /// The engine's own words first; what MPI adds to an abort only if there are none.
 fn engine_lines(output: &str, stderr: &str) -> String {
     let own = last_lines(output);
     if own.is_empty() { last_lines(stderr) } else { own }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_share_is_that_of_the_end() {
+        let finished = Finished {
+            command: String::new(),
+            output: String::new(),
+            peak_bytes: None,
+            // Two seconds of preparation with the whole processor, then four with half of it.
+            processor: vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [4.0, 3.0], [6.0, 4.0]],
+            seconds: 6.0,
+        };
+        assert_eq!(finished.share_of_last(4.0), Some(0.5));
+        assert_eq!(finished.share_of_last(7.0), None);
+    }
+
+    #[test]
+    fn this_thread_has_used_the_processor() {
+        if let Some(before) = processor_seconds("self") {
+            assert!(before >= 0.0);
+        }
+    }
 }

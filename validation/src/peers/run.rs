@@ -60,6 +60,8 @@ pub struct Timed {
     pub version: String,
     /// Seconds of the last `run` (the engine's own `Loop time of`).
     pub loop_seconds: f64,
+    /// Seconds of the processor in it, for a run of one rank, if the system tells.
+    pub processor_seconds: Option<f64>,
     /// Largest resident memory, if the system tells \[bytes\]; of one rank only if there are several.
     pub peak_bytes: Option<u64>,
 }
@@ -70,12 +72,16 @@ pub struct Timed {
 /// The engine is missing, fails, or does not say how long it took.
 pub fn time(files: &InputFiles, folder: &Path, options: &RunOptions) -> Result<Timed, PeerError> {
     let engine = files.engine;
-    let Finished { output, peak_bytes, .. } = run_script(engine, files.script_name, folder, options)?;
+    let finished = run_script(engine, files.script_name, folder, options)?;
     let unexpected = |what: &str| PeerError::Output(engine, what.to_owned());
+    let loop_seconds = loop_time(&finished.output).ok_or_else(|| unexpected("no `Loop time of` line"))?;
+    // The loop is the last that the engine does.
+    let share = if options.ranks == 1 { finished.share_of_last(loop_seconds) } else { None };
     Ok(Timed {
-        version: version(&output).ok_or_else(|| unexpected("no version banner"))?,
-        loop_seconds: loop_time(&output).ok_or_else(|| unexpected("no `Loop time of` line"))?,
-        peak_bytes,
+        version: version(&finished.output).ok_or_else(|| unexpected("no version banner"))?,
+        loop_seconds,
+        processor_seconds: share.map(|share| share * loop_seconds),
+        peak_bytes: finished.peak_bytes,
     })
 }
 
