@@ -2,7 +2,7 @@
 
 use granule_drivers::Driver;
 use granule_observers::Energy;
-use granule_tests::{BodyState, advance, bodies, driver};
+use granule_tests::{BodyState, advance, bodies, driver, driver_with};
 
 const G: f64 = 9.81;
 const R: f64 = 0.002;
@@ -340,4 +340,49 @@ fn a_ball_that_may_leave_falls_and_bounces() {
     assert_eq!((body.position[2], body.velocity[2]), (R, 0.0));
     assert!((body.velocity[0] - 0.1 * 5.0 / 7.0).abs() < 1e-12);
     assert!(residual(&text) < 1e-6, "{}", residual(&text));
+}
+
+/// Beads of two kinds on a shaken plate between walls that move with it.
+fn beads() -> String {
+    let motion = "Sinusoidal(amplitude: (\"5 mm\", 0, 0), frequency: \"5 Hz\")";
+    let friction = "normal: LinearSpringDashpot(contact_duration: \"0.1 ms\", restitution: 0.9),
+         tangential: KondicFriction(damping_rate: 1e3, shear_friction: 0.5, vertical_friction: 0.5)";
+    format!(
+        "(version: 1, gravity: {FLAT}, materials: {{ \"steel\": (density: 7850), \"glass\": (density: 7850) }},
+          bodies: [
+            Lattice(material: \"steel\", radius: {R}, spacing: 5e-3, lo: (0.003, 0.003, {R}), hi: (0.2, 0.05, {R})),
+            Lattice(material: \"glass\", radius: {R}, spacing: 5e-3, lo: (0.003, 0.055, {R}), hi: (0.2, 0.1, {R})),
+          ],
+          walls: {{ \"frame\": Box(lo: (0, 0, -1), hi: (0.205, 0.105, 1), open: [\"z-\", \"z+\"], material: \"steel\",
+                                   motion: {motion}) }},
+          substrate: (motion: {motion}, confined: false, laws: {{
+            \"steel\": StickSlip(static_friction: 0.5, kinetic_friction: 0.1, rolling_friction: 1e-3),
+            \"glass\": StickSlip(static_friction: 0.5, kinetic_friction: 0.1, rolling_friction: 1e-2) }}),
+          contacts: [
+            (between: (\"steel\", \"steel\"), {friction}),
+            (between: (\"steel\", \"glass\"), {friction}),
+            (between: (\"glass\", \"glass\"), {friction}),
+          ],
+          driver: TimeStep(step: 2e-6), run: (steps: 20000), ledger: true)"
+    )
+}
+
+#[test]
+fn many_beads_on_a_shaken_plate_have_the_same_bits_for_any_number_of_threads() {
+    let text = beads();
+    let run = |threads: usize| {
+        let mut driver = driver_with(&text, threads);
+        let start = Energy::of(&driver.view());
+        advance(&mut driver, 20_000);
+        let residual = Energy::of(&driver.view()).residual_since(&start);
+        (bodies(&driver), *driver.engine().substrate(), residual)
+    };
+    let (one, tally, residual) = run(1);
+    let (three, other, _) = run(3);
+    assert!(one == three && tally == other);
+    assert_eq!(tally.sliding + tally.rolling + tally.resting + tally.airborne, 800);
+    // Something has happened: slip, rolling friction, and work of the plate.
+    assert!(tally.work.sliding > 0.0 && tally.work.rolling > 0.0 && tally.work.plate != 0.0);
+    let exchanged = tally.work.sliding + tally.work.rolling + tally.work.plate.abs();
+    assert!(residual.abs() < 1e-3 * exchanged, "{residual} of {exchanged}");
 }

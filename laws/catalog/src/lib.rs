@@ -4,6 +4,7 @@
 
 use granule_law_collision_rules as _;
 use granule_law_normal_hysteretic as _;
+use granule_law_kondic_collision as _;
 use granule_law_normal_linear as _;
 use granule_law_normal_power as _;
 use granule_law_substrate as _;

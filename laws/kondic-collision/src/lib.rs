@@ -1,0 +1,10 @@
+//! Forces between rolling spheres as in Kondic 1999, and the closed forms of that paper with its errata.
+
+pub mod closed_form;
+mod friction;
+mod material;
+mod normal;
+
+pub use friction::KondicFriction;
+pub use material::{collision_time, printed_collision_time};
+pub use normal::KondicNormal;
