@@ -3,8 +3,8 @@
 //! A law crate registers itself, but only if something refers to it: the linker drops what nobody names.
 
 use granule_law_collision_rules as _;
-use granule_law_normal_hysteretic as _;
 use granule_law_kondic_collision as _;
+use granule_law_normal_hysteretic as _;
 use granule_law_normal_linear as _;
 use granule_law_normal_power as _;
 use granule_law_substrate as _;
