@@ -1,8 +1,8 @@
 //! Collisions of spheres that roll on a surface: how they slip afterwards, against the closed forms of Kondic 1999 with
 //! errata, for bodies of any inertia; the same collisions with a plane wall as the surface.
 
+use granule_closed_forms::kondic::{Spheres, after, printed, vertical};
 use granule_drivers::{Driver, TimeStepDriver};
-use granule_law_kondic_collision::closed_form::{Spheres, after, printed, vertical};
 use granule_observers::Energy;
 use granule_tests::{advance, bodies, driver};
 

@@ -1,6 +1,5 @@
-//! Forces between rolling spheres as in Kondic 1999, and the closed forms of that paper with its errata.
+//! Forces between rolling spheres as in Kondic 1999.
 
-pub mod closed_form;
 mod friction;
 mod material;
 mod normal;

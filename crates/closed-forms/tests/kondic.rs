@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use granule_law_kondic_collision::closed_form::{Spheres, after, during, printed, vertical};
+use granule_closed_forms::kondic::{Spheres, after, during, printed, vertical};
 
 /// Steel spheres of the paper, Appendices B and C.
 const STEEL: Spheres =
