@@ -85,6 +85,7 @@ fn style(law: &LiggghtsLaw) -> (String, String) {
     let normal = match law.normal {
         LiggghtsNormal::HookeStiffness { .. } => "hooke/stiffness",
         LiggghtsNormal::HertzStiffness { .. } => "hertz/stiffness",
+        LiggghtsNormal::HookeHysteresis { .. } => "hooke/hysteresis",
         LiggghtsNormal::Hertz { .. } => "hertz",
     };
     let tangential = match law.tangential {
@@ -102,13 +103,17 @@ fn style(law: &LiggghtsLaw) -> (String, String) {
     )
 }
 
+fn needs_materials(law: &LiggghtsLaw) -> bool {
+    matches!(law.normal, LiggghtsNormal::Hertz { .. } | LiggghtsNormal::HookeHysteresis { .. })
+}
+
 /// One material per type, or none if no law needs them.
 fn materials(scene: &PeerScene, laws: &[LiggghtsLaw]) -> Result<Vec<PeerMaterial>, PeerError> {
-    if !matches!(laws[0].normal, LiggghtsNormal::Hertz { .. }) {
+    if !needs_materials(&laws[0]) {
         return Ok(Vec::new());
     }
     let complete: Option<Vec<PeerMaterial>> = scene.materials.iter().copied().collect();
-    complete.ok_or_else(|| PeerError::Scene("`hertz` of LIGGGHTS needs a material for every type".into()))
+    complete.ok_or_else(|| PeerError::Scene("this model of LIGGGHTS needs a material for every type".into()))
 }
 
 fn properties(text: &mut String, kinds: usize, laws: &[LiggghtsLaw], materials: &[PeerMaterial]) {
@@ -122,21 +127,34 @@ fn properties(text: &mut String, kinds: usize, laws: &[LiggghtsLaw], materials: 
     per_pair("coefficientFriction", &|law| law.friction);
     let restitution = |law: &LiggghtsLaw| match law.normal {
         LiggghtsNormal::Hertz { restitution } => restitution,
+        // No dashpot beside the hysteresis.
+        LiggghtsNormal::HookeHysteresis { .. } => 1.0,
         _ => f64::NAN,
+    };
+    let hysteresis = |law: &LiggghtsLaw| match law.normal {
+        LiggghtsNormal::HookeHysteresis { ratio, depth } => [ratio, 0.0, depth],
+        _ => [f64::NAN; 3],
     };
     let stiffness = |law: &LiggghtsLaw| match law.normal {
         LiggghtsNormal::HookeStiffness { kn, kt, gamma_n, gamma_t }
         | LiggghtsNormal::HertzStiffness { kn, kt, gamma_n, gamma_t } => [kn, kt, gamma_n, gamma_t],
-        LiggghtsNormal::Hertz { .. } => [f64::NAN; 4],
+        LiggghtsNormal::Hertz { .. } | LiggghtsNormal::HookeHysteresis { .. } => [f64::NAN; 4],
     };
     // The script writer has made sure that all laws are of one model.
-    if !matches!(laws[0].normal, LiggghtsNormal::Hertz { .. }) {
+    if !needs_materials(&laws[0]) {
         for (index, name) in ["kn", "kt", "gamman", "gammat"].iter().enumerate() {
             per_pair(name, &|law| stiffness(law)[index]);
         }
         return;
     }
     per_pair("coefficientRestitution", &restitution);
+    if matches!(laws[0].normal, LiggghtsNormal::HookeHysteresis { .. }) {
+        let names =
+            ["coefficientMaxElasticStiffness", "coefficientAdhesionStiffness", "coefficientPlasticityDepth"];
+        for (index, name) in names.iter().enumerate() {
+            per_pair(name, &|law| hysteresis(law)[index]);
+        }
+    }
     for (name, value) in [
         ("youngsModulus", (|material| material.youngs_modulus) as fn(&PeerMaterial) -> f64),
         ("poissonsRatio", |material| material.poisson_ratio),
@@ -146,5 +164,8 @@ fn properties(text: &mut String, kinds: usize, laws: &[LiggghtsLaw], materials: 
             put(text, format_args!(" {:?}", value(material)));
         }
         text.push('\n');
+    }
+    if matches!(laws[0].normal, LiggghtsNormal::HookeHysteresis { .. }) {
+        text.push_str("fix characteristicVelocity all property/global characteristicVelocity scalar 1.0\n");
     }
 }

@@ -226,6 +226,14 @@ pub enum LiggghtsNormal {
         /// Tangential damping (1/(s m)).
         gamma_t: f64,
     },
+    /// `hooke/hysteresis`: stiffness of loading from the materials at a characteristic velocity of 1 m/s, no adhesion, no
+    /// dashpot.
+    HookeHysteresis {
+        /// Largest stiffness of unloading over that of loading, `coefficientMaxElasticStiffness`.
+        ratio: f64,
+        /// `coefficientPlasticityDepth`.
+        depth: f64,
+    },
     /// `hertz`: from the materials.
     Hertz {
         /// Coefficient of restitution.

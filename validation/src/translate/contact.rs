@@ -40,6 +40,9 @@ pub enum Normal {
     HertzRate { pressure: f64, rate: f64 },
     /// K a δ + α sqrt(m12 K a) v_n.
     HertzRoot { pressure: f64, alpha: f64 },
+    /// k_1 on loading, k_2 on unloading, which grows with the largest overlap up to `largest` at a plastic overlap of
+    /// `depth` · 2 R*. The one reduced mass and radius that occur.
+    Hysteretic { loading: f64, largest: f64, depth: f64, mass: f64, radius: f64 },
 }
 
 /// Tangential stiffness.
@@ -90,6 +93,7 @@ pub fn contact(composition: &Composition) -> Result<Contact, Untranslatable> {
         match stage.law.info.name {
             "LinearSpringDashpot" => contact = Some(linear(stage, context)?),
             "Hertz" => contact = Some(hertz(stage, context)?),
+            "WaltonBraun" => contact = Some(hysteretic(stage, context)?),
             "TangentialSpring" => {
                 let Some(normal) = contact else { return refuse("TangentialSpring", "it has no normal law") };
                 tangential = spring(stage, context, normal)?;
@@ -185,6 +189,26 @@ fn hertz(stage: &StagePlan, context: &PairContext) -> Result<Normal, Untranslata
     Ok(Normal::HertzRoot { pressure: 4.0 / 3.0 * modulus, alpha })
 }
 
+fn hysteretic(stage: &StagePlan, context: &PairContext) -> Result<Normal, Untranslatable> {
+    let value = |name| get(stage, name);
+    match (value("loading_stiffness"), value("largest_unloading_stiffness"), value("plasticity_depth")) {
+        (Some(loading), Some(largest), Some(depth)) => {
+            let (mass, radius) = (one_mass(stage, context)?, context.reduced_radius);
+            if !radius.is_single() {
+                return refuse(
+                    "WaltonBraun",
+                    "the stiffness of `hooke/hysteresis` belongs to one reduced radius",
+                );
+            }
+            Ok(Normal::Hysteretic { loading, largest, depth, mass, radius: radius.max })
+        }
+        _ => refuse(
+            "WaltonBraun",
+            "the unloading stiffness of `hooke/hysteresis` grows with the largest overlap; here it is constant",
+        ),
+    }
+}
+
 /// Damping of a tangential stage; none of the optional ones given is no damping.
 fn damping(stage: &StagePlan, context: &PairContext) -> Damping {
     let value = |name| get(stage, name);
@@ -236,6 +260,8 @@ fn spring(stage: &StagePlan, context: &PairContext, normal: Normal) -> Result<Ta
         Normal::HertzRate { pressure, .. } | Normal::HertzRoot { pressure, .. } => {
             Stiffness::ContactRadius(ratio * pressure)
         }
+        // What later stages see of it.
+        Normal::Hysteretic { loading, .. } => Stiffness::Constant(ratio * loading),
     };
     let stiffness = if let Some(stiffness) = value("stiffness") {
         Stiffness::Constant(stiffness)
@@ -277,5 +303,6 @@ pub fn resolve(damping: Damping, normal: Normal, stiffness: Option<Stiffness>) -
             Some(Damping::Root(ratio * alpha * (pressure / tangential).sqrt()))
         }
         (Normal::HertzRoot { .. }, _) => None,
+        (Normal::Hysteretic { .. }, _) => Some(Damping::Linear(Linear::ZERO)),
     }
 }

@@ -75,6 +75,7 @@ pub fn classic(contact: &Contact) -> Result<ClassicLaw, Untranslatable> {
                 Tangential::Viscous { .. } => refuse(what, "Hertz contacts have a tangential spring"),
             }
         }
+        (Normal::Hysteretic { .. }, _) => refuse(what, "there is no hysteretic normal law"),
         (Normal::HertzRoot { .. }, _) => {
             refuse(what, "`gran/hertz/history` damps in proportion to the contact radius, not to its root")
         }
@@ -112,6 +113,7 @@ pub fn granular(contact: &Contact) -> Result<GranularLaw, Untranslatable> {
         Normal::HertzRoot { pressure, alpha } => {
             (GranularNormal::Hertz(pressure), GranularDamping::Tsuji(tsuji_restitution(alpha)?))
         }
+        Normal::Hysteretic { .. } => return refuse(what, "there is no hysteretic normal law"),
     };
     let multiple = |tangential, stiffness| match normal_share(contact.normal, tangential, stiffness) {
         Some(share) => Ok(share),
@@ -202,6 +204,12 @@ fn tsuji_restitution(alpha: f64) -> Result<f64, Untranslatable> {
     }
 }
 
+/// The effective modulus E* from which LIGGGHTS derives this stiffness at its characteristic velocity of 1 m/s:
+/// k = 16/15 sqrt(R*) E* (15 m12/(16 sqrt(R*) E*))^(1/5).
+fn hysteretic_modulus(stiffness: f64, mass: f64, radius: f64) -> f64 {
+    15.0 / 16.0 * (stiffness.powi(5) / (radius * radius * mass)).powf(0.25)
+}
+
 /// LIGGGHTS `gran`; contacts by moduli leave what they ask of the materials in `moduli`.
 pub fn liggghts(
     contact: &Contact,
@@ -254,6 +262,29 @@ pub fn liggghts(
                 }
             };
             Ok(law(LiggghtsNormal::HertzStiffness { kn, kt, gamma_n, gamma_t }, model, friction, true))
+        }
+        Normal::Hysteretic { loading, largest, depth, mass, radius } => {
+            let normal = LiggghtsNormal::HookeHysteresis { ratio: largest / loading, depth };
+            let (model, friction) = match contact.tangential {
+                Tangential::None => (LiggghtsTangential::NoHistory, 0.0),
+                Tangential::Viscous { .. } => {
+                    return refuse(what, "`hooke/hysteresis` derives its damping from a restitution of one");
+                }
+                Tangential::Spring { stiffness: Stiffness::Constant(kt), damping, friction }
+                    if (kt - loading).abs() <= 1e-12 * loading
+                        && resolve(damping, contact.normal, None) == Some(Damping::Linear(Linear::ZERO)) =>
+                {
+                    (LiggghtsTangential::History, friction)
+                }
+                Tangential::Spring { .. } => {
+                    return refuse(
+                        what,
+                        "the tangential spring of `hooke/hysteresis` has the stiffness of loading and no damper",
+                    );
+                }
+            };
+            moduli.ask(pair, hysteretic_modulus(loading, mass, radius), None);
+            Ok(law(normal, model, friction, true))
         }
         Normal::HertzRoot { pressure, alpha } => {
             // α = sqrt(5) b with b = |ln e| / sqrt(π² + ln² e).

@@ -284,3 +284,23 @@ fn bodies_keep_mass_and_place_and_get_a_box() {
     assert_eq!(scene.bodies[1].position, [2.1e-3, 0.0, 0.0]);
     assert_eq!(density(4.0 * PI / 3.0 * 1e-3 * 1e-3 * 1e-3 * 2500.0, 1e-3), 2500.0);
 }
+
+/// LIGGGHTS derives the stiffness of loading from a modulus at a characteristic velocity of 1 m/s:
+/// k = 16/15 sqrt(R*) E* (15 m12 V²/(16 sqrt(R*) E*))^(1/5).
+#[test]
+fn hysteretic_contacts_get_the_modulus_of_their_stiffness() {
+    let laws = "normal: WaltonBraun(loading_stiffness: 1000, largest_unloading_stiffness: 4000, plasticity_depth: 0.05)";
+    let (law, material) = liggghts(laws);
+    assert_eq!(law.normal, LiggghtsNormal::HookeHysteresis { ratio: 4.0, depth: 0.05 });
+    let material = material.unwrap();
+    let effective = material.youngs_modulus / (2.0 * (1.0 - material.poisson_ratio * material.poisson_ratio));
+    let (mass, root): (f64, f64) = (5e-4, f64::sqrt(5e-4));
+    let stiffness = 16.0 / 15.0 * root * effective * (15.0 * mass / (16.0 * root * effective)).powf(0.2);
+    // Two fractional powers.
+    assert!((stiffness / 1000.0 - 1.0).abs() < 1e-14, "{stiffness}");
+    let constant = pair("normal: WaltonBraun(loading_stiffness: 1000, restitution: 0.6)");
+    assert!(refusal(&constant, Target::Liggghts).contains("here it is constant"));
+    assert!(refusal(&pair(laws), Target::LammpsGranular).contains("no hysteretic normal law"));
+    let ratio = format!("{laws}, tangential: TangentialSpring(stiffness_ratio: 0.5, friction: 0.5)");
+    assert!(refusal(&pair(&ratio), Target::Liggghts).contains("has the stiffness of loading"));
+}

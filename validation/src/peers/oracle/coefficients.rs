@@ -36,8 +36,8 @@ pub struct Coefficients {
     pub history: bool,
 }
 
-/// Coefficients of a law.
-pub fn coefficients(law: &PeerLaw, pairing: &Pairing) -> Result<Coefficients, PeerError> {
+/// Coefficients of a law. `memory` is the largest overlap that a hysteretic contact remembers.
+pub fn coefficients(law: &PeerLaw, pairing: &Pairing, memory: &mut f64) -> Result<Coefficients, PeerError> {
     match law {
         PeerLaw::Classic(law) => {
             let history = law.style != ClassicStyle::HookeNoHistory;
@@ -56,7 +56,7 @@ pub fn coefficients(law: &PeerLaw, pairing: &Pairing) -> Result<Coefficients, Pe
             })
         }
         PeerLaw::Granular(law) => Ok(granular(law, pairing)),
-        PeerLaw::Liggghts(law) => liggghts(law, pairing),
+        PeerLaw::Liggghts(law) => liggghts(law, pairing, memory),
     }
 }
 
@@ -86,11 +86,11 @@ fn granular(law: &GranularLaw, pairing: &Pairing) -> Coefficients {
     Coefficients { kn, gn, kt, gt: law.tangential_damping * gn, friction: law.friction, history }
 }
 
-fn liggghts(law: &LiggghtsLaw, pairing: &Pairing) -> Result<Coefficients, PeerError> {
+fn liggghts(law: &LiggghtsLaw, pairing: &Pairing, memory: &mut f64) -> Result<Coefficients, PeerError> {
     let (meff, overlap) = (pairing.mass, pairing.overlap);
     let materials = || match pairing.materials {
         [Some(a), Some(b)] => Ok((a, b)),
-        _ => Err(PeerError::Scene("`hertz` of LIGGGHTS needs a material for every type".into())),
+        _ => Err(PeerError::Scene("this model of LIGGGHTS needs a material for every type".into())),
     };
     let (kn, gn, kt, gt) = match law.normal {
         LiggghtsNormal::HookeStiffness { kn, kt, gamma_n, gamma_t } => {
@@ -99,6 +99,14 @@ fn liggghts(law: &LiggghtsLaw, pairing: &Pairing) -> Result<Coefficients, PeerEr
         LiggghtsNormal::HertzStiffness { kn, kt, gamma_n, gamma_t } => {
             let a = (pairing.radius * overlap).sqrt();
             (a * kn, a * meff * gamma_n, a * kt, a * meff * gamma_t)
+        }
+        LiggghtsNormal::HookeHysteresis { ratio, depth } => {
+            let (a, b) = materials()?;
+            let root = pairing.radius.sqrt();
+            let youngs = effective_youngs(a, b);
+            let k1 = 16.0 / 15.0 * root * youngs * (15.0 * meff / (16.0 * root * youngs)).powf(0.2);
+            let force = hysteretic(k1, ratio * k1, depth * 2.0 * pairing.radius, overlap, memory);
+            (force / overlap, 0.0, k1, 0.0)
         }
         LiggghtsNormal::Hertz { restitution } => {
             let (a, b) = materials()?;
@@ -119,6 +127,19 @@ fn liggghts(law: &LiggghtsLaw, pairing: &Pairing) -> Result<Coefficients, PeerEr
         friction: law.friction,
         history: law.tangential == LiggghtsTangential::History,
     })
+}
+
+/// Force without adhesion; k2 grows with the largest overlap.
+fn hysteretic(k1: f64, k2_max: f64, depth: f64, overlap: f64, memory: &mut f64) -> f64 {
+    *memory = memory.max(overlap);
+    let limit = k2_max / (k2_max - k1) * depth;
+    let (peak, k2) =
+        if *memory >= limit { (limit, k2_max) } else { (*memory, k1 + (k2_max - k1) * *memory / limit) };
+    let line = k2 * (overlap - peak) + k1 * peak;
+    if line < 0.0 {
+        *memory = 0.5 * (overlap + (overlap * overlap + 4.0 * k1 * overlap * limit / (k2_max - k1)).sqrt());
+    }
+    line.max(0.0)
 }
 
 fn effective_youngs(a: PeerMaterial, b: PeerMaterial) -> f64 {

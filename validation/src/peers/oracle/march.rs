@@ -65,6 +65,8 @@ struct World<'a> {
     velocity: Velocity,
     /// Springs by indices of the two bodies, or of a body and (after the bodies) a wall.
     springs: BTreeMap<(usize, usize), Vector>,
+    /// Largest overlaps, by the same indices.
+    overlaps: BTreeMap<(usize, usize), f64>,
 }
 
 impl<'a> World<'a> {
@@ -96,7 +98,7 @@ impl<'a> World<'a> {
             })
             .collect();
         bodies.sort_by_key(|body| body.id);
-        Ok(Self { scene, bodies, conventions, velocity, springs: BTreeMap::new() })
+        Ok(Self { scene, bodies, conventions, velocity, springs: BTreeMap::new(), overlaps: BTreeMap::new() })
     }
 
     /// Factors of force and torque for half a kick, divided in the engines' order.
@@ -192,6 +194,7 @@ impl<'a> World<'a> {
         let (distance, sum) = (norm(apart), a.radius + b.radius);
         if distance >= sum {
             self.springs.remove(&(i, j));
+            self.overlaps.remove(&(i, j));
             return Ok(None);
         }
         let mass = match (a.frozen, b.frozen) {
@@ -216,8 +219,10 @@ impl<'a> World<'a> {
             second: Partner { radius: b.radius, velocity: b.velocity, spin: b.spin },
             wall: false,
         };
+        let memory = self.overlaps.entry((i, j)).or_insert(0.0);
+        let coefficients = coefficients(law, &pairing, memory)?;
         let spring = self.springs.entry((i, j)).or_insert(ZERO);
-        Ok(Some(act(&contact, &coefficients(law, &pairing)?, &(self.conventions)(law), spring, dt)))
+        Ok(Some(act(&contact, &coefficients, &(self.conventions)(law), spring, dt)))
     }
 
     fn at_wall(
@@ -237,6 +242,7 @@ impl<'a> World<'a> {
         let key = (i, self.bodies.len() + index);
         if height >= body.radius {
             self.springs.remove(&key);
+            self.overlaps.remove(&key);
             return Ok(None);
         }
         let law = self.law(body.kind, wall.kind)?;
@@ -257,8 +263,10 @@ impl<'a> World<'a> {
             second: Partner { radius: 0.0, velocity: wall.velocity, spin: ZERO },
             wall: true,
         };
+        let memory = self.overlaps.entry(key).or_insert(0.0);
+        let coefficients = coefficients(law, &pairing, memory)?;
         let spring = self.springs.entry(key).or_insert(ZERO);
-        Ok(Some(act(&contact, &coefficients(law, &pairing)?, &(self.conventions)(law), spring, dt)))
+        Ok(Some(act(&contact, &coefficients, &(self.conventions)(law), spring, dt)))
     }
 
     fn frame(&self, step: u64) -> Frame {
