@@ -3,13 +3,17 @@
 //! A driver knows nothing about output. It advances to a step, or stops early when asked to, and shows a read-only
 //! [`View`] of what it has reached.
 
+mod event;
 mod time_step;
 mod view;
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+pub use event::EventDriver;
 pub use granule_engine::{ContactPartner, ContactRecord, EngineError, Tally, Work};
+pub use granule_events::Counts;
 pub use time_step::TimeStepDriver;
 pub use view::View;
 
@@ -55,4 +59,15 @@ pub trait Driver: Send {
     fn result_hash(&self) -> u64 {
         self.view().hash()
     }
+}
+
+/// The driver that a plan asks for, with its bodies set up. `threads` overrides the plan.
+///
+/// # Errors
+/// See [`EngineError`].
+pub fn driver(plan: Arc<granule_plan::Plan>, threads: Option<usize>) -> Result<Box<dyn Driver>, EngineError> {
+    if plan.event.is_some() {
+        return Ok(Box::new(EventDriver::new(plan)?));
+    }
+    Ok(Box::new(TimeStepDriver::new(plan, threads)?))
 }

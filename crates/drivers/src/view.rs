@@ -1,38 +1,71 @@
 //! A read-only view of a run at one moment.
 
 use granule_engine::{ContactRecord, Engine, SubstrateTally, Tally, Work};
+use granule_events::Counts;
 use granule_plan::Plan;
 use granule_state::Bodies;
 
 /// Bodies and sums at one moment. Bodies are listed in the order of their identities.
 pub struct View<'a> {
-    engine: &'a Engine,
+    plan: &'a Plan,
+    step: u64,
+    time: f64,
+    source: Source<'a>,
     order: Vec<u32>,
+}
+
+/// Where the numbers of a view come from.
+enum Source<'a> {
+    Steps(&'a Engine),
+    Events(Box<Snapshot>),
+}
+
+/// What hard bodies are at one moment.
+pub(crate) struct Snapshot {
+    pub bodies: Bodies,
+    pub tally: Tally,
+    pub work: Work,
+    pub substrate: SubstrateTally,
+    pub counts: Counts,
 }
 
 impl<'a> View<'a> {
     pub(crate) fn new(engine: &'a Engine) -> Self {
-        Self { engine, order: engine.bodies().order_by_id() }
+        Self {
+            plan: engine.plan(),
+            step: engine.step(),
+            time: engine.time(),
+            source: Source::Steps(engine),
+            order: engine.bodies().order_by_id(),
+        }
+    }
+
+    pub(crate) fn of_events(plan: &'a Plan, step: u64, time: f64, snapshot: Snapshot) -> Self {
+        let order = snapshot.bodies.order_by_id();
+        Self { plan, step, time, source: Source::Events(Box::new(snapshot)), order }
     }
 
     /// The plan that runs.
     pub fn plan(&self) -> &'a Plan {
-        self.engine.plan()
+        self.plan
     }
 
     /// Steps done.
     pub fn step(&self) -> u64 {
-        self.engine.step()
+        self.step
     }
 
     /// Simulated time \[s\].
     pub fn time(&self) -> f64 {
-        self.engine.time()
+        self.time
     }
 
     /// Body rows in memory order; [`order`](Self::order) leads from identities to places.
-    pub fn bodies(&self) -> &'a Bodies {
-        self.engine.bodies()
+    pub fn bodies(&self) -> &Bodies {
+        match &self.source {
+            Source::Steps(engine) => engine.bodies(),
+            Source::Events(snapshot) => &snapshot.bodies,
+        }
     }
 
     /// Places of the bodies in the order of their identities.
@@ -40,24 +73,44 @@ impl<'a> View<'a> {
         &self.order
     }
 
-    /// Sums over the contacts.
-    pub fn tally(&self) -> &'a Tally {
-        self.engine.tally()
+    /// Sums over the contacts; hard bodies have none.
+    pub fn tally(&self) -> &Tally {
+        match &self.source {
+            Source::Steps(engine) => engine.tally(),
+            Source::Events(snapshot) => &snapshot.tally,
+        }
     }
 
     /// Work and dissipation since the start; zero without the energy ledger.
-    pub fn work(&self) -> &'a Work {
-        self.engine.work()
+    pub fn work(&self) -> &Work {
+        match &self.source {
+            Source::Steps(engine) => engine.work(),
+            Source::Events(snapshot) => &snapshot.work,
+        }
     }
 
     /// What bodies do on the substrate, and its work and dissipation since the start; zero without one.
-    pub fn substrate(&self) -> &'a SubstrateTally {
-        self.engine.substrate()
+    pub fn substrate(&self) -> &SubstrateTally {
+        match &self.source {
+            Source::Steps(engine) => engine.substrate(),
+            Source::Events(snapshot) => &snapshot.substrate,
+        }
     }
 
-    /// All contacts, ordered by identities.
+    /// All contacts, ordered by identities; hard bodies have none.
     pub fn contacts(&self) -> Vec<ContactRecord> {
-        self.engine.contacts()
+        match &self.source {
+            Source::Steps(engine) => engine.contacts(),
+            Source::Events(_) => Vec::new(),
+        }
+    }
+
+    /// Collisions since the start; `None` for the time-stepped driver.
+    pub fn events(&self) -> Option<&Counts> {
+        match &self.source {
+            Source::Steps(_) => None,
+            Source::Events(snapshot) => Some(&snapshot.counts),
+        }
     }
 
     /// Centre of a body inside the cell, by its rank in the order of identities \[m\].

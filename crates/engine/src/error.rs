@@ -16,6 +16,8 @@ pub enum EngineError {
     },
     /// The periodic cell is too small for one image per pair, or candidates cannot be found.
     Search(String),
+    /// What the event-driven engine says.
+    Events(String),
     /// Worker threads could not be started.
     Threads(String),
 }
@@ -29,6 +31,7 @@ impl std::fmt::Display for EngineError {
                  large for the forces on it, or its input was not finite"
             ),
             Self::Search(reason) => write!(f, "candidates cannot be found: {reason}"),
+            Self::Events(reason) => f.write_str(reason),
             Self::Threads(reason) => write!(f, "worker threads cannot be started: {reason}"),
         }
     }

@@ -67,7 +67,8 @@ pub mod parts {
 /// What most programs need.
 pub mod prelude {
     pub use granule_drivers::{
-        Advance, ContactPartner, ContactRecord, Driver, EngineError, TimeStepDriver, View,
+        Advance, ContactPartner, ContactRecord, Counts, Driver, EngineError, EventDriver, TimeStepDriver,
+        View,
     };
     pub use granule_law_api::{
         CollisionEntry, ContactEnd, Form, LawEntry, LawInfo, ParamSpec, Registry, Slot, SubstrateEntry,

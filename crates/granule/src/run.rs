@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use granule_drivers::{Advance, Driver, EngineError, TimeStepDriver};
+use granule_drivers::{Advance, Counts, Driver, EngineError};
 use granule_formats::Provenance;
 use granule_observers::{Energy, MANIFEST, ObserveError, Observers};
 use granule_plan::Plan;
@@ -84,6 +84,8 @@ pub struct RunSummary {
     pub output_wall: Duration,
     /// Bodies times steps over `wall` \[1/s\].
     pub particle_steps_per_second: f64,
+    /// Collisions of the event-driven driver.
+    pub events: Option<Counts>,
     /// How well the energy ledger closes, if it exists.
     pub energy_drift: Option<EnergyDrift>,
     /// Hash of the last positions, velocities and spins: equal hashes mean equal bits.
@@ -171,7 +173,7 @@ pub fn run_plan(
     directory::prepare(directory, &plan, options.force).map_err(RunError::Directory)?;
     let plan = Arc::new(plan);
     let engine = |error| RunError::Engine { error, directory: directory.to_path_buf() };
-    let driver = TimeStepDriver::new(Arc::clone(&plan), options.threads).map_err(engine)?;
+    let driver = granule_drivers::driver(Arc::clone(&plan), options.threads).map_err(engine)?;
     let recorder = Recorder::new(&plan, source, directory, started);
     let mut run = Run {
         bodies: plan.bodies.len(),
@@ -191,7 +193,7 @@ pub fn run_plan(
 struct Run {
     plan: Arc<Plan>,
     bodies: usize,
-    driver: TimeStepDriver,
+    driver: Box<dyn Driver>,
     observers: Observers,
     recorder: Recorder,
     output_time: Duration,
@@ -234,6 +236,7 @@ impl Run {
         let wall = self.begin.elapsed();
         let view = self.driver.view();
         let energy_drift = start_energy.map(|start| EnergyDrift::between(&start, &Energy::of(&view)));
+        let events = view.events().copied();
         let result_hash = format!("{:016x}", self.driver.result_hash());
         let outcome = match ending {
             Ending::Completed => "completed",
@@ -249,6 +252,7 @@ impl Run {
             wall,
             output_wall: self.output_time,
             particle_steps_per_second: self.rate(wall),
+            events,
             energy_drift,
             result_hash,
             directory: directory.to_path_buf(),

@@ -27,6 +27,10 @@ pub fn compute(name: &str) -> Option<Compute> {
         "momentum_y" => |view, _, _| quantities::momentum(view)[1],
         "momentum_z" => |view, _, _| quantities::momentum(view)[2],
         "contacts" => |view, _, _| view.tally().contacts as f64,
+        "collisions" => |view, _, _| view.events().map_or(0.0, |counts| counts.all() as f64),
+        "overlapping_collisions" => {
+            |view, _, _| view.events().map_or(0.0, |counts| counts.overlapping as f64)
+        }
         "coordination_number" => |view, _, _| quantities::coordination_number(view),
         "mean_height" => |view, _, _| quantities::mean_height(view),
         "maximum_height" => |view, _, _| quantities::maximum_height(view),

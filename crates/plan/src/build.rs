@@ -93,6 +93,11 @@ impl Builder<'_> {
             composition.reads.and(composition.writes).without(turns)
                 != composition.reads.and(composition.writes)
         });
+        let event = crate::event::event(self, &setting);
+        let rotation = match &event {
+            Some(event) => event.collisions.iter().any(|collision| collision.rule.is_rough()),
+            None => rotation,
+        };
         let bodies = bodies::table(&drafts);
         let substrate = substrate::substrate(self, &drafts, &cell, gravity, scheme);
         let mut plan = Plan {
@@ -113,6 +118,7 @@ impl Builder<'_> {
             substrate,
             compositions,
             driver: schedule::blank(scheme),
+            event,
             outputs: Vec::new(),
             decisions: Vec::new(),
             fingerprint: String::new(),

@@ -6,7 +6,9 @@ use granule_law_api::{ContactEnd, Impact, Oracle, Slot};
 use granule_state::Layout;
 
 use crate::limits;
-use crate::model::{Composition, Dimensions, OutputKind, Plan, Precision, Scheme, Search};
+use crate::model::{
+    CollisionPlan, Composition, Dimensions, EventPlan, OutputKind, Partner, Plan, Precision, Scheme, Search,
+};
 
 /// What runs, line by line. Everything that the scene left to a default is shown with its value.
 pub fn explain(plan: &Plan) -> String {
@@ -18,8 +20,11 @@ pub fn explain(plan: &Plan) -> String {
     settings(&mut out, plan);
     bodies(&mut out, plan);
     line(&mut out, format_args!("\nContacts"));
-    if plan.compositions.is_empty() {
+    if plan.compositions.is_empty() && plan.event.is_none() {
         line(&mut out, format_args!("  none: no law acts"));
+    }
+    for collision in plan.event.iter().flat_map(|event| &event.collisions) {
+        rule(&mut out, plan, collision);
     }
     for composition in &plan.compositions {
         contact(&mut out, plan, composition);
@@ -52,6 +57,10 @@ fn steps_in_seconds(steps: u64, step: f64) -> f64 {
 fn settings(out: &mut String, plan: &Plan) {
     let driver = &plan.driver;
     line(out, format_args!("\nSettings"));
+    if let Some(event) = &plan.event {
+        event_settings(out, plan, event);
+        return;
+    }
     line(out, format_args!("  integrator: {}", scheme_name(driver.scheme)));
     line(
         out,
@@ -102,12 +111,36 @@ fn settings(out: &mut String, plan: &Plan) {
             c.history_update, c.coulomb_test, c.coulomb_cap, c.velocity
         ),
     );
+    periods(out, plan);
+}
+
+fn periods(out: &mut String, plan: &Plan) {
     if plan.cell.is_periodic() {
         let (lo, hi, periodic) = (plan.cell.lo(), plan.cell.hi(), plan.cell.periodic());
         for axis in (0..3).filter(|axis| periodic[*axis]) {
             line(out, format_args!("  period in {}: {} to {} m", ["x", "y", "z"][axis], lo[axis], hi[axis]));
         }
     }
+}
+
+fn event_settings(out: &mut String, plan: &Plan, event: &EventPlan) {
+    let driver = &plan.driver;
+    line(out, format_args!("  event-driven: bodies fly freely from collision to collision"));
+    line(
+        out,
+        format_args!(
+            "  steps, at which the run can be looked at: {} of {:e} s, {:e} s in all",
+            driver.steps,
+            driver.step,
+            steps_in_seconds(driver.steps, driver.step)
+        ),
+    );
+    if event.contact_duration > 0.0 {
+        line(out, format_args!("  contact duration: {:e} s", event.contact_duration));
+    } else {
+        line(out, format_args!("  contact duration: none; no collision loses energy along the normal"));
+    }
+    periods(out, plan);
 }
 
 /// Name of a scheme in scenes.
@@ -157,6 +190,29 @@ fn bodies(out: &mut String, plan: &Plan) {
         let motion = if wall.wall.motion().is_fixed() { "fixed" } else { "moving" };
         line(out, format_args!("  wall `{}` of {material}, {motion}", wall.name));
     }
+}
+
+fn rule(out: &mut String, plan: &Plan, collision: &CollisionPlan) {
+    let name =
+        |index: u16| plan.materials.get(usize::from(index)).map_or("?", |material| material.name.as_str());
+    let partner = match collision.partner {
+        Partner::Body(other) => format!("bodies of {}", name(other)),
+        Partner::Wall(wall) => plan
+            .walls
+            .get(usize::from(wall))
+            .map_or("a wall".to_string(), |wall| format!("wall `{}`", wall.name)),
+    };
+    let values: Vec<String> =
+        collision.params.values().iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    line(
+        out,
+        format_args!(
+            "  bodies of {} and {partner}: {}, {}",
+            name(collision.material),
+            collision.law.info.name,
+            values.join(", ")
+        ),
+    );
 }
 
 fn contact(out: &mut String, plan: &Plan, composition: &Composition) {
@@ -219,6 +275,10 @@ fn memory(out: &mut String, plan: &Plan) {
     };
     let width = plan.compositions.iter().map(|composition| composition.history_width).max().unwrap_or(0);
     line(out, format_args!("\nMemory"));
+    if plan.event.is_some() {
+        line(out, format_args!("  about 400 bytes per body, with its event and neighbours"));
+        return;
+    }
     line(out, format_args!("  {} bytes per body", layout.bytes_per_body()));
     if width > 0 {
         // A stamp says in which step a pair last touched.

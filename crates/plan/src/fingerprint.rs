@@ -36,6 +36,7 @@ pub fn fingerprint(plan: &Plan) -> String {
     walls(&mut hash, plan);
     substrate(&mut hash, plan);
     compositions(&mut hash, plan);
+    event(&mut hash, plan);
     hash.word(match plan.driver.scheme {
         Scheme::VelocityVerlet => 0,
         Scheme::ClassicVelocityVerlet => 1,
@@ -135,6 +136,29 @@ fn walls(hash: &mut Bytes, plan: &Plan) {
         }
         // The debug text of numbers is the shortest that reads back to the same bits.
         hash.text(&format!("{:?}", wall.wall.motion()));
+    }
+}
+
+/// Adds nothing to plans of the time-stepped driver.
+fn event(hash: &mut Bytes, plan: &Plan) {
+    let Some(event) = &plan.event else { return };
+    hash.text("event");
+    hash.number(event.contact_duration);
+    hash.word(event.collisions.len() as u64);
+    for collision in &event.collisions {
+        hash.word(u64::from(collision.material));
+        match collision.partner {
+            Partner::Body(material) => hash.text(&format!("body {material}")),
+            Partner::Wall(wall) => hash.text(&format!("wall {wall}")),
+        }
+        hash.text(collision.law.info.name);
+        hash.text(collision.law.crate_name);
+        hash.text(collision.law.crate_version);
+        hash.word(collision.params.form() as u64);
+        for (name, value) in collision.params.values() {
+            hash.text(name);
+            hash.number(*value);
+        }
     }
 }
 

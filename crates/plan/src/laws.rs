@@ -1,7 +1,7 @@
 //! Laws of the scene, looked up, checked and compiled for the pairs of materials that can meet.
 
 pub(crate) mod check;
-mod meeting;
+pub(crate) mod meeting;
 
 use std::sync::Arc;
 
@@ -74,7 +74,7 @@ pub(crate) fn compositions(builder: &mut Builder<'_>, setting: &Setting<'_>) -> 
             }
         }
     }
-    if !setting.whole {
+    if !setting.whole || scene.event.is_some() {
         return Vec::new();
     }
     let (speed, reason) = setting.impact_speed(builder);
@@ -104,7 +104,16 @@ pub(crate) fn compositions(builder: &mut Builder<'_>, setting: &Setting<'_>) -> 
             continue;
         };
         if checked.laws.is_empty() {
-            if checked.block.laws.is_empty() {
+            if checked.block.laws.is_empty() && checked.block.collision.is_some() {
+                let [a, b] = names();
+                builder.error_help(
+                    checked.block.span.clone(),
+                    format!(
+                        "{a} and {b} have a collision rule only, which the driver `TimeStep` does not use"
+                    ),
+                    "add a `normal` law, or choose `driver: Event()`",
+                );
+            } else if checked.block.laws.is_empty() {
                 let [a, b] = names();
                 let why =
                     format!("{a} and {b} have no laws: they pass through each other ({})", meeting.example);

@@ -7,6 +7,7 @@ mod bodies;
 mod build;
 mod checks;
 mod conventions;
+mod event;
 mod explain;
 mod fingerprint;
 mod impacts;
@@ -24,6 +25,7 @@ pub use explain::explain;
 pub use fingerprint::fingerprint;
 pub use limits::{Limits, limits};
 pub use model::{
-    BodyTable, Composition, Decision, Dimensions, MaterialPlan, OutputKind, OutputPlan, Partner, Plan,
-    Precision, SERIES, Scheme, Search, StagePlan, SubstrateMaterial, SubstratePlan, TimeStepPlan, WallPlan,
+    BodyTable, CollisionPlan, Composition, Decision, Dimensions, EventPlan, MaterialPlan, OutputKind,
+    OutputPlan, Partner, Plan, Precision, SERIES, Scheme, Search, StagePlan, SubstrateMaterial,
+    SubstratePlan, TimeStepPlan, WallPlan,
 };

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use granule_geometry::{Cell, Motion, Wall};
 use granule_law_api::{
-    Columns, ContactEnd, Conventions, LawEntry, PairContext, Params, Slot, Stage, SubstrateEntry,
-    SubstrateStage,
+    CollisionEntry, CollisionRule, Columns, ContactEnd, Conventions, LawEntry, PairContext, Params, Slot,
+    Stage, SubstrateEntry, SubstrateStage,
 };
 
 /// Number of space dimensions that exist in the run.
@@ -170,6 +170,28 @@ pub struct Composition {
     pub writes: Columns,
 }
 
+/// A rule of instantaneous collisions between bodies of one material and a partner.
+pub struct CollisionPlan {
+    /// Material of body i.
+    pub material: u16,
+    /// The other side.
+    pub partner: Partner,
+    /// The law.
+    pub law: &'static CollisionEntry,
+    /// Its parameters, checked.
+    pub params: Params,
+    /// The law with its parameters folded in.
+    pub rule: Arc<dyn CollisionRule>,
+}
+
+/// Settings of the event-driven driver.
+pub struct EventPlan {
+    /// Contact duration t_c \[s\]; 0 where no collision loses energy and nothing accelerates.
+    pub contact_duration: f64,
+    /// Rules of all pairs of materials and walls that can meet.
+    pub collisions: Vec<CollisionPlan>,
+}
+
 /// How candidates are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
@@ -230,7 +252,7 @@ pub enum OutputKind {
 }
 
 /// Quantities of a CSV time series: name, unit, meaning.
-pub const SERIES: [(&str, &str, &str); 17] = [
+pub const SERIES: [(&str, &str, &str); 19] = [
     ("kinetic_energy", "J", "kinetic energy of translation"),
     ("rotational_energy", "J", "kinetic energy of rotation"),
     ("elastic_energy", "J", "energy stored in contacts (energy ledger)"),
@@ -247,6 +269,12 @@ pub const SERIES: [(&str, &str, &str); 17] = [
     ("momentum_y", "kg m/s", "linear momentum, y"),
     ("momentum_z", "kg m/s", "linear momentum, z"),
     ("contacts", "1", "number of body-body contacts"),
+    ("collisions", "1", "collisions since the start (event-driven driver)"),
+    (
+        "overlapping_collisions",
+        "1",
+        "collisions less than the contact duration after the last one of a body (event-driven driver)",
+    ),
     ("coordination_number", "1", "contacts with bodies and walls per body"),
     ("mean_height", "m", "mean height of the centres along the direction against gravity"),
     ("maximum_height", "m", "largest height of a centre along the direction against gravity"),
@@ -293,8 +321,11 @@ pub struct Plan {
     pub substrate: Option<SubstratePlan>,
     /// Compositions of all pairs of materials and walls that can meet.
     pub compositions: Vec<Composition>,
-    /// Driver settings.
+    /// Driver settings. The event-driven driver takes its steps from here as well: they are the times at which it can be
+    /// looked at.
     pub driver: TimeStepPlan,
+    /// The event-driven driver runs instead of the time-stepped one.
+    pub event: Option<EventPlan>,
     /// Outputs.
     pub outputs: Vec<OutputPlan>,
     /// What is included, what is left out, and why.

@@ -11,6 +11,10 @@ use crate::model::{OutputKind, OutputPlan, Plan, SERIES};
 const LEDGER: [&str; 5] =
     ["elastic_energy", "dissipated_viscous", "dissipated_friction", "wall_work", "energy_residual"];
 
+/// Quantities of the event-driven driver, and those of lasting contacts.
+const EVENT: [&str; 2] = ["collisions", "overlapping_collisions"];
+const SOFT: [&str; 4] = ["contacts", "coordination_number", "maximum_overlap", "elastic_energy"];
+
 /// Entries of an output whose interval is not given.
 const ENTRIES: u64 = 100;
 
@@ -34,7 +38,7 @@ pub(crate) fn outputs(builder: &mut Builder<'_>, plan: &mut Plan) {
         let every = every(builder, block, plan);
         let kind = match &block.what {
             OutputChoice::Series { columns } => {
-                let columns = series(builder, columns.as_deref(), plan.rotation);
+                let columns = series(builder, columns.as_deref(), plan.rotation, plan.event.is_some());
                 let needs = columns.iter().find(|column| LEDGER.contains(&column.as_str()));
                 if let Some(column) = needs {
                     ledger_for.get_or_insert_with(|| format!("{column} in {}", block.path.value));
@@ -138,10 +142,13 @@ fn series(
     builder: &mut Builder<'_>,
     columns: Option<&[granule_scene::Spanned<String>]>,
     rotation: bool,
+    event: bool,
 ) -> Vec<String> {
     let Some(columns) = columns else {
-        let usual = ["kinetic_energy", "rotational_energy", "contacts", "maximum_overlap", "maximum_speed"];
-        return usual
+        let soft = ["kinetic_energy", "rotational_energy", "contacts", "maximum_overlap", "maximum_speed"];
+        let hard =
+            ["kinetic_energy", "rotational_energy", "collisions", "overlapping_collisions", "maximum_speed"];
+        return (if event { hard } else { soft })
             .into_iter()
             .filter(|name| rotation || *name != "rotational_energy")
             .map(str::to_string)
@@ -152,6 +159,15 @@ fn series(
         if !known.contains(&column.value.as_str()) {
             let help = suggestion("quantities", &column.value, &known);
             builder.error_help(column.span.clone(), format!("there is no quantity `{}`", column.value), help);
+        } else if !event && EVENT.contains(&column.value.as_str())
+            || event && SOFT.contains(&column.value.as_str())
+        {
+            let (has, other) = if event { ("Event", "TimeStep") } else { ("TimeStep", "Event") };
+            builder.error_help(
+                column.span.clone(),
+                format!("the driver `{has}` has no `{}`", column.value),
+                format!("it is a quantity of `driver: {other}`"),
+            );
         } else if columns[..index].iter().any(|earlier| earlier.value == column.value) {
             builder.error(column.span.clone(), format!("quantity `{}` is given twice", column.value));
         }

@@ -13,7 +13,7 @@ const FEW: usize = 16;
 /// Default skin as a share of the mean radius.
 const SKIN: f64 = 0.2;
 /// Largest number of steps: beyond it, times are no longer exact multiples of the step.
-const MOST_STEPS: f64 = 9_007_199_254_740_992.0;
+pub(crate) const MOST_STEPS: f64 = 9_007_199_254_740_992.0;
 
 /// Fewest steps in a contact that are taken without a warning.
 const FEWEST_STEPS: f64 = 10.0;
@@ -38,6 +38,9 @@ pub(crate) fn blank(scheme: Scheme) -> TimeStepPlan {
 pub(crate) fn driver(builder: &mut Builder<'_>, plan: &mut Plan, judged: bool) -> Option<()> {
     let scene = builder.scene;
     plan.driver.threads = scene.driver.threads.as_ref().map(|threads| threads.value as usize);
+    if let Some(event) = &scene.event {
+        return if judged { crate::event::schedule(builder, plan, event) } else { Some(()) };
+    }
     search(builder, plan, judged);
     if !judged {
         return Some(());
@@ -205,7 +208,7 @@ fn judge(builder: &mut Builder<'_>, span: &Range<usize>, step: f64, limits: &Lim
 }
 
 /// Shortest interval of an output that is given as a time \[s\].
-fn shortest_interval(builder: &Builder<'_>) -> Option<f64> {
+pub(crate) fn shortest_interval(builder: &Builder<'_>) -> Option<f64> {
     let intervals =
         builder.scene.outputs.items.iter().filter_map(|output| match output.every.as_ref()?.value {
             EveryChoice::Time(time) => Some(time),

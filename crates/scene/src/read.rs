@@ -77,6 +77,12 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
     });
     let allow_overlap = r.optional(&f, "allow_overlap", Reader::boolean);
     let driver = r.optional(&f, "driver", |r, _, node| run::driver(r, node));
+    let (driver, event) = match driver {
+        None => (None, None),
+        Some(None) => (Some(None), None),
+        Some(Some(run::DriverBlock::TimeStep(block))) => (Some(Some(block)), None),
+        Some(Some(run::DriverBlock::Event(block))) => (Some(None), Some(block)),
+    };
     let run = r.required(&f, "run", |r, _, node| run::length(r, node));
     let outputs = section(r, f.get("outputs"), &at, run::outputs);
     let ledger = r.optional(&f, "ledger", Reader::boolean);
@@ -105,6 +111,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
             skin: None,
             threads: None,
         }),
+        event,
         run,
         outputs,
         ledger: ledger.flatten().unwrap_or(false),

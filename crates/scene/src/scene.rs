@@ -71,6 +71,8 @@ pub struct Scene {
     pub allow_overlap: bool,
     /// Settings of the time-stepped driver.
     pub driver: TimeStepBlock,
+    /// The event-driven driver is asked for, with these settings.
+    pub event: Option<EventBlock>,
     /// How long it runs.
     pub run: Option<RunBlock>,
     /// Files to write.
@@ -426,6 +428,8 @@ pub struct ContactBlock {
     pub between: (Spanned<String>, Spanned<String>),
     /// Laws: name of the slot as in `normal`, and the law.
     pub laws: Vec<(&'static str, LawBlock)>,
+    /// Rule of instantaneous collisions, for the event-driven driver.
+    pub collision: Option<LawBlock>,
     /// When contacts end.
     pub contact_end: Option<Spanned<ContactEndChoice>>,
     /// Where the block stands.
@@ -488,6 +492,17 @@ pub struct TimeStepBlock {
     pub skin: Option<Spanned<f64>>,
     /// Worker threads; all cores if absent.
     pub threads: Option<Spanned<u32>>,
+}
+
+/// `driver: Event(..)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventBlock {
+    /// Interval at which the run can be looked at \[s\].
+    pub step: Option<Spanned<f64>>,
+    /// Contact duration of the contact-duration model \[s\].
+    pub contact_duration: Option<Spanned<f64>>,
+    /// Where the block stands.
+    pub span: Range<usize>,
 }
 
 /// How long it runs.

@@ -139,7 +139,12 @@ pub const SCENE: Block = Block {
             "Accepts bodies that overlap each other or a wall by more than 1 % of the smaller radius at the start. Bodies \
              from one imported file may always overlap each other.",
         ),
-        opt("driver", "block TimeStep", "`TimeStep()`", "How time advances."),
+        opt(
+            "driver",
+            "block TimeStep or Event",
+            "`TimeStep()`",
+            "How time advances: in steps, or from collision to collision.",
+        ),
         need("run", "block Run", "How long it runs."),
         opt("outputs", "list of outputs", "no outputs", "Files to write."),
         opt(
@@ -427,6 +432,13 @@ pub const CONTACT: Block = Block {
         opt("rolling", LAW, "none", "Torque against rolling."),
         opt("torsion", LAW, "none", "Torque about the normal."),
         opt(
+            "collision",
+            LAW,
+            "none",
+            "Rule of instantaneous collisions. The driver `Event` uses it and none of the laws above; `TimeStep` uses the laws \
+             above and not the rule. A scene with both runs hard or soft.",
+        ),
+        opt(
             "contact_end",
             "`Force` or `Overlap`",
             "`Force`",
@@ -472,6 +484,27 @@ pub const CONVENTIONS: Block = Block {
             "`Synchronised` or `HalfStep`",
             "of the preset",
             "Velocities in forces: of the time of the positions, or half a step earlier. Chooses the default integrator.",
+        ),
+    ],
+};
+
+pub const EVENT: Block = Block {
+    name: "Event",
+    doc: "The event-driven driver: hard bodies that fly freely and collide in an instant, by the rule `collision` of their \
+          contact. Walls are planes that are fixed, move with a constant velocity, oscillate, or turn in their own plane.",
+    fields: &[
+        opt(
+            "step",
+            "time in s, greater than 0",
+            "the shortest interval of an output, or a hundredth of the duration",
+            "Interval at which the run can be looked at: steps of `run` and `every` are these. The motion does not depend on it.",
+        ),
+        opt(
+            "contact_duration",
+            "time in s, greater than 0",
+            "1e-4 of the shorter of sqrt(d/g) and d/v, where it is needed",
+            "A collision less than this after the last one of one of its bodies loses no energy along the normal, so that \
+             inelastic collapse ends. Also decides how bodies rest: in bounces of about this duration.",
         ),
     ],
 };

@@ -32,7 +32,7 @@ pub fn laws(name: Option<&str>, example_only: bool) -> Exit {
         return Exit::Success;
     }
     if let Ok(law) = registry.collision(name) {
-        terminal::out(&collision_page(law));
+        terminal::out(&if example_only { collision_example(law.info) } else { collision_page(law) });
         return Exit::Success;
     }
     match registry.get(name) {
@@ -140,7 +140,19 @@ fn collision_page(law: &CollisionEntry) -> String {
         let note = if source.note.is_empty() { String::new() } else { format!(": {}", source.note) };
         paragraph(&mut out, 2, &format!("{}, {}{note}", source.work, source.place));
     }
+    heading(&mut out, "Example scene");
+    for line in collision_example(info).lines() {
+        let _ = writeln!(out, "  {line}");
+    }
     out
+}
+
+/// Two hard spheres that meet obliquely.
+fn collision_example(info: &LawInfo) -> String {
+    let rule = invocations(info).into_iter().next_back().unwrap_or_default();
+    let laws = slot_line(Slot::Collision, &rule);
+    let columns = "\"kinetic_energy\", \"rotational_energy\", \"collisions\"";
+    scene(info.name, &laws, "    driver: Event(),\n", columns)
 }
 
 /// A sphere that slips at first and then rolls until it rests.
@@ -279,13 +291,17 @@ fn example(law: &LawEntry, registry: &Registry) -> String {
     };
     let own = invocations(law.info);
     let mut scenes = own.iter().flat_map(|own| {
-        partners
-            .iter()
-            .map(|partner| scene(law.info.name, &format!("{partner}{}", slot_line(law.info.slot, own))))
+        partners.iter().map(|partner| {
+            let laws = format!("{partner}{}", slot_line(law.info.slot, own));
+            scene(law.info.name, &laws, "", SOFT_COLUMNS)
+        })
     });
     let first = scenes.next().unwrap_or_default();
     if is_sound(&first) { first } else { scenes.find(|scene| is_sound(scene)).unwrap_or(first) }
 }
+
+/// Columns of the series of an example with lasting contacts.
+const SOFT_COLUMNS: &str = "\"kinetic_energy\", \"momentum_x\", \"maximum_overlap\"";
 
 fn is_sound(scene: &str) -> bool {
     granule::load_text(Path::new("example.ron"), scene.to_string()).is_ok()
@@ -295,7 +311,7 @@ fn slot_line(slot: Slot, law: &str) -> String {
     format!("            {}: {law},\n", slot.name())
 }
 
-fn scene(name: &str, laws: &str) -> String {
+fn scene(name: &str, laws: &str, driver: &str, columns: &str) -> String {
     format!(
         "(
     version: 1,
@@ -310,8 +326,8 @@ fn scene(name: &str, laws: &str) -> String {
             between: (\"glass\", \"glass\"),
 {laws}        ),
     ],
-    run: (duration: \"5 ms\"),
-    outputs: [Series(path: \"series.csv\", columns: [\"kinetic_energy\", \"momentum_x\", \"maximum_overlap\"])],
+{driver}    run: (duration: \"5 ms\"),
+    outputs: [Series(path: \"series.csv\", columns: [{columns}])],
 )
 "
     )
@@ -372,6 +388,11 @@ mod tests {
             let checked = granule::load_text(Path::new("example.ron"), text.clone());
             let problems = checked.err().map(|error| error.to_string());
             assert_eq!(problems, None, "{}\n{text}", law.info.name);
+        }
+        for law in registry.collisions() {
+            let text = collision_example(law.info);
+            let problems = granule::load_text(Path::new("example.ron"), text.clone()).err();
+            assert!(problems.is_none(), "{}\n{text}", problems.unwrap());
         }
         for law in registry.substrates() {
             let text = substrate_example(law.info);

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use granule::prelude::{Ending, RunError, RunOptions, RunSummary};
+use granule::prelude::{Counts, Ending, RunError, RunOptions, RunSummary};
 
 use super::{Exit, show_load_error};
 use crate::args::RunArguments;
@@ -75,6 +75,32 @@ fn finished(summary: &RunSummary, steps: u64, quiet: bool) -> Exit {
     Exit::Success
 }
 
+/// What hard bodies did, and whether they are a model of this scene.
+fn events(out: &mut String, counts: &Counts, seconds: f64) {
+    let rate = if seconds > 0.0 { counts.all() as f64 / seconds } else { 0.0 };
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "collisions     {} of bodies, {} with walls ({}collisions/s)",
+        counts.collisions,
+        counts.wall_collisions,
+        text::short(rate)
+    );
+    let _ = writeln!(
+        out,
+        "overlapping    {} collisions within the contact duration, {:.3} % of all",
+        counts.overlapping,
+        100.0 * counts.overlapping_share()
+    );
+    if counts.leaves_the_hard_sphere_world() {
+        let _ = writeln!(
+            out,
+            "               this scene leaves the hard-sphere world: contacts overlap in time from t = {} s on",
+            text::number(text::rounded(counts.first_overlapping.unwrap_or(0.0)))
+        );
+    }
+}
+
 /// The summary of a run.
 fn report(summary: &RunSummary) -> String {
     let mut out = String::new();
@@ -88,6 +114,9 @@ fn report(summary: &RunSummary) -> String {
         text::duration(summary.wall),
         text::duration(summary.output_wall)
     );
+    if let Some(counts) = &summary.events {
+        events(&mut out, counts, summary.wall.as_secs_f64());
+    }
     if let Some(drift) = &summary.energy_drift {
         let _ = writeln!(
             out,

@@ -150,6 +150,7 @@ pub fn plan(bodies: &[Body], stiffness: f64, damping: f64, step: f64, steps: u64
             reads: Spring::INFO.reads,
             writes: Spring::INFO.writes,
         }],
+        event: None,
         driver: TimeStepPlan {
             scheme: Scheme::VelocityVerlet,
             step,

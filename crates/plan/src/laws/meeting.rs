@@ -12,7 +12,7 @@ use crate::model::Partner;
 const FEW_PAIRS: usize = 4096;
 
 /// Two sides that can meet.
-pub(super) struct Meeting {
+pub(crate) struct Meeting {
     pub material: u16,
     pub other: u16,
     pub partner: Partner,
@@ -24,7 +24,7 @@ pub(super) struct Meeting {
 }
 
 /// All meetings: bodies with bodies by material, then bodies with walls.
-pub(super) fn meetings(setting: &Setting<'_>) -> Vec<Meeting> {
+pub(crate) fn meetings(setting: &Setting<'_>) -> Vec<Meeting> {
     let mut groups: Vec<Vec<&Draft>> = vec![Vec::new(); setting.materials.len()];
     for body in setting.bodies {
         if let Some(group) = groups.get_mut(usize::from(body.material)) {

@@ -31,6 +31,7 @@ fn contact(r: &mut Reader, node: Node<'_>) -> Option<ContactBlock> {
     });
     let laws: Vec<_> =
         SLOTS.iter().map(|slot| r.optional(&f, slot, law).map(|law| law.map(|law| (*slot, law)))).collect();
+    let collision = r.optional(&f, "collision", law);
     let contact_end = r.optional(&f, "contact_end", |r, name, node| {
         r.choice(name, node, &[("Force", ContactEndChoice::Force), ("Overlap", ContactEndChoice::Overlap)])
     });
@@ -38,6 +39,7 @@ fn contact(r: &mut Reader, node: Node<'_>) -> Option<ContactBlock> {
     Some(ContactBlock {
         between: between?,
         laws: laws.into_iter().flatten().collect(),
+        collision: collision?,
         contact_end: contact_end?,
         span: node.span(),
     })

@@ -3,9 +3,10 @@
 use granule_units::Dimension;
 
 use super::{Blocks, keep};
-use crate::reader::{Allowed, Fields, Reader};
+use crate::reader::{Allowed, Fields, Reader, Variant};
 use crate::scene::{
-    EveryChoice, IntegratorChoice, OutputBlock, OutputChoice, RunBlock, Spanned, StepChoice, TimeStepBlock,
+    EventBlock, EveryChoice, IntegratorChoice, OutputBlock, OutputChoice, RunBlock, Spanned, StepChoice,
+    TimeStepBlock,
 };
 use crate::spec::{self, Block};
 use crate::syntax::Node;
@@ -13,9 +14,32 @@ use crate::syntax::Node;
 /// Default number of steps in the shortest contact.
 pub const STEPS_PER_CONTACT: f64 = 50.0;
 
-/// `driver: TimeStep(..)`.
-pub fn driver(r: &mut Reader, node: Node<'_>) -> Option<TimeStepBlock> {
-    let variant = r.variant("driver", node, &["TimeStep"])?;
+/// Either driver.
+pub enum DriverBlock {
+    TimeStep(TimeStepBlock),
+    Event(EventBlock),
+}
+
+/// `driver: TimeStep(..)` or `driver: Event(..)`.
+pub fn driver(r: &mut Reader, node: Node<'_>) -> Option<DriverBlock> {
+    let variant = r.variant("driver", node, &["TimeStep", "Event"])?;
+    if variant.name == "TimeStep" {
+        return time_step(r, variant).map(DriverBlock::TimeStep);
+    }
+    let f = r.block(variant.content, &spec::EVENT, variant.span)?;
+    let positive = |r: &mut Reader, name: &str, node: Node<'_>| {
+        r.quantity(name, node, Dimension::TIME, Allowed::Positive)
+    };
+    let step = r.optional(&f, "step", positive);
+    let contact_duration = r.optional(&f, "contact_duration", positive);
+    Some(DriverBlock::Event(EventBlock {
+        step: step?,
+        contact_duration: contact_duration?,
+        span: node.span(),
+    }))
+}
+
+fn time_step(r: &mut Reader, variant: Variant<'_>) -> Option<TimeStepBlock> {
     let at = variant.span.clone();
     let f = r.block(variant.content, &spec::TIME_STEP, variant.span)?;
     let integrator = r.optional(&f, "integrator", |r, name, node| {

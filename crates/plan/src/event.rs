@@ -1,0 +1,261 @@
+//! The event-driven driver: rules of collisions for all that can meet, contact duration, steps.
+
+use std::sync::Arc;
+
+use granule_geometry::Surface;
+use granule_law_api::{CollisionEntry, Params, RegistryError};
+use granule_scene::{ContactBlock, EventBlock, LawBlock, PrecisionChoice, RunBlock, suggestion};
+
+use crate::build::Builder;
+use crate::laws::Setting;
+use crate::laws::check::{law_error, parameters};
+use crate::laws::meeting::{Meeting, meetings};
+use crate::model::{CollisionPlan, EventPlan, Plan};
+use crate::schedule::{MOST_STEPS, shortest_interval};
+
+/// Default contact duration as a share of the shortest time in which a body moves by its diameter.
+const CONTACT_SHARE: f64 = 1e-4;
+/// Steps of a run that says nothing about them.
+const STEPS: f64 = 100.0;
+
+/// A rule of a block with its parameters.
+struct Chosen<'s> {
+    pair: (u16, u16),
+    block: &'s ContactBlock,
+    law: Option<(&'static CollisionEntry, Params, &'s LawBlock)>,
+}
+
+/// The plan of the event-driven driver; `None` if the scene has the other one. Rules are checked in either case.
+pub(crate) fn event(builder: &mut Builder<'_>, setting: &Setting<'_>) -> Option<EventPlan> {
+    let scene = builder.scene;
+    let mut chosen = Vec::new();
+    for block in &scene.contacts.items {
+        let law = match &block.collision {
+            None => None,
+            Some(law) => {
+                let Some((entry, params)) = choose(builder, law) else { continue };
+                Some((entry, params, law))
+            }
+        };
+        let index = |name: &str| scene.materials.items.iter().position(|item| item.name.value == name);
+        // Unknown names are reported where the other laws are looked up.
+        let (Some(a), Some(b)) = (index(&block.between.0.value), index(&block.between.1.value)) else {
+            continue;
+        };
+        chosen.push(Chosen { pair: (a.min(b) as u16, a.max(b) as u16), block, law });
+    }
+    let rules = chosen.iter().filter(|chosen| chosen.law.is_some()).count();
+    let Some(block) = &scene.event else {
+        if rules > 0 {
+            builder.decide_one("collision rules", false, "the driver is TimeStep: the laws of contact act");
+        }
+        return None;
+    };
+    if scene.substrate.is_some() {
+        builder.error_help(
+            block.span.clone(),
+            "hard bodies cannot roll on a substrate",
+            "choose `driver: TimeStep()`",
+        );
+    }
+    if scene.precision == PrecisionChoice::Single {
+        builder.error_help(
+            block.span.clone(),
+            "`precision: Single` does not exist in the driver `Event`",
+            "leave it out",
+        );
+    }
+    if scene.conventions.preset.is_some() || !scene.conventions.changes.is_empty() {
+        builder.warning(block.span.clone(), "`conventions` have no effect on hard bodies", "leave them out");
+    }
+    if scene.allow_overlap {
+        builder.error_help(
+            block.span.clone(),
+            "hard bodies cannot overlap, which `allow_overlap` permits",
+            "leave `allow_overlap` out",
+        );
+    }
+    walls(builder, setting);
+    let soft = scene.contacts.items.iter().any(|block| !block.laws.is_empty());
+    if soft {
+        builder.decide_one("laws of contact", false, "the driver is Event: the collision rules act");
+    }
+    let collisions = if setting.whole { collisions(builder, setting, &chosen) } else { Vec::new() };
+    let contact_duration = contact_duration(builder, setting, block, &collisions);
+    Some(EventPlan { contact_duration, collisions })
+}
+
+fn choose(builder: &mut Builder<'_>, law: &LawBlock) -> Option<(&'static CollisionEntry, Params)> {
+    let entry = match builder.registry.collision(&law.name.value) {
+        Ok(entry) => entry,
+        Err(RegistryError::Unknown { name, known, .. }) => {
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let help = suggestion("collision laws", &name, &known);
+            builder.error_help(law.name.span.clone(), format!("there is no collision law `{name}`"), help);
+            return None;
+        }
+        Err(error) => {
+            builder.error(law.name.span.clone(), error.to_string());
+            return None;
+        }
+    };
+    let params = parameters(builder, entry.info, law)?;
+    Some((entry, params))
+}
+
+/// Refuses walls that flights are not known for.
+fn walls(builder: &mut Builder<'_>, setting: &Setting<'_>) {
+    for (index, plan) in setting.walls.iter().enumerate() {
+        let motion = plan.wall.motion();
+        let steady = motion.steady_velocity().is_some() || motion.oscillation().is_some();
+        let what = match plan.wall.surface() {
+            Surface::Cylinder(_) => "a cylinder",
+            Surface::Plane(_) if plan.wall.keeps_its_place() || steady => continue,
+            Surface::Plane(_) if motion.rotation_at(0.0).is_some() => "a plane that turns out of its place",
+            Surface::Plane(_) => "a plane that moves by a table",
+        };
+        let scene = builder.scene;
+        let span = scene.walls.items.get(index).map_or(scene.walls.span.clone(), |wall| wall.span.clone());
+        builder.error_help(
+            span,
+            format!("wall `{}` is {what}, which the driver `Event` does not know", plan.name),
+            "it knows planes that are fixed, move with a constant velocity, oscillate, or turn in their own plane",
+        );
+    }
+}
+
+fn collisions(builder: &mut Builder<'_>, setting: &Setting<'_>, chosen: &[Chosen<'_>]) -> Vec<CollisionPlan> {
+    let mut collisions = Vec::new();
+    let mut missing: Vec<(u16, u16)> = Vec::new();
+    for Meeting { material, other, partner, example, .. } in meetings(setting) {
+        let pair = (material.min(other), material.max(other));
+        let [a, b] = [pair.0, pair.1].map(|index| setting.materials[usize::from(index)].name.clone());
+        let found = chosen.iter().find(|chosen| chosen.pair == pair);
+        match found.map(|chosen| (chosen.block, &chosen.law)) {
+            Some((_, Some((entry, params, law)))) => match (entry.compile)(params) {
+                Ok(rule) => collisions.push(CollisionPlan {
+                    material,
+                    partner,
+                    law: entry,
+                    params: params.clone(),
+                    rule: Arc::from(rule),
+                }),
+                Err(error) => law_error(builder, law, entry.info.name, &error),
+            },
+            Some((block, None)) if block.laws.is_empty() => {
+                let why = format!("{a} and {b} have no rule: they pass through each other ({example})");
+                builder.decide_one("collision", false, why);
+            }
+            _ if missing.contains(&pair) || !builder.scene.contacts.complete => {}
+            found => {
+                missing.push(pair);
+                let span = found.map_or(builder.scene.contacts.span.clone(), |(block, _)| block.span.clone());
+                builder.error_help(
+                    span,
+                    format!("no collision rule between `{a}` and `{b}`, which can meet: {example}"),
+                    format!("add `collision: HardSphere(restitution: ..)` to the contact between \"{a}\" and \"{b}\""),
+                );
+            }
+        }
+    }
+    collisions
+}
+
+fn contact_duration(
+    builder: &mut Builder<'_>,
+    setting: &Setting<'_>,
+    block: &EventBlock,
+    collisions: &[CollisionPlan],
+) -> f64 {
+    let inelastic = collisions.iter().any(|collision| collision.rule.is_inelastic());
+    let g = setting.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+    let moving = setting.walls.iter().any(|wall| !wall.wall.keeps_its_place());
+    let topic = "contact duration";
+    if let Some(given) = &block.contact_duration {
+        builder.decide_one(topic, true, format!("{:e} s, given by the scene", given.value));
+        return given.value;
+    }
+    if !(inelastic || g > 0.0 || moving) {
+        builder.decide_one(
+            topic,
+            false,
+            "no collision loses energy along the normal, and nothing accelerates",
+        );
+        return 0.0;
+    }
+    let diameter = setting.bodies.iter().fold(f64::INFINITY, |d: f64, body| d.min(2.0 * body.radius));
+    let (speed, _) = setting.impact_speed(builder);
+    let crossing = diameter / speed;
+    let falling = if g > 0.0 { (diameter / g).sqrt() } else { f64::INFINITY };
+    let duration = CONTACT_SHARE * crossing.min(falling);
+    if !(duration > 0.0 && duration.is_finite()) {
+        if setting.whole && !setting.bodies.is_empty() {
+            builder.error_help(
+                block.span.clone(),
+                "the contact duration cannot be chosen for these speeds and sizes",
+                "give `contact_duration`",
+            );
+        }
+        return 0.0;
+    }
+    let why = format!(
+        "{duration:.3e} s, {CONTACT_SHARE} of the time in which the smallest body moves by its diameter; sooner collisions \
+         lose no energy along the normal"
+    );
+    builder.decide_one(topic, true, why);
+    duration
+}
+
+/// Times at which the run can be looked at.
+pub(crate) fn schedule(builder: &mut Builder<'_>, plan: &mut Plan, block: &EventBlock) -> Option<()> {
+    let run = builder.scene.run.clone()?;
+    let interval = shortest_interval(builder);
+    let (step, why) = match (&block.step, interval, &run) {
+        (Some(step), _, _) => (step.value, "given by the scene"),
+        (None, Some(interval), _) => (interval, "the shortest interval of an output"),
+        (None, None, RunBlock::Duration(duration)) => (duration.value / STEPS, "a hundredth of the duration"),
+        (None, None, RunBlock::Steps(steps)) => {
+            builder.error_help(
+                steps.span.clone(),
+                "hard bodies need no steps: how long is one?",
+                "give `duration` instead, or `driver: Event(step: ..)`",
+            );
+            return None;
+        }
+    };
+    let (steps, span) = match &run {
+        RunBlock::Steps(steps) => (steps.value as f64, steps.span.clone()),
+        RunBlock::Duration(duration) if duration.value == 0.0 => (0.0, duration.span.clone()),
+        RunBlock::Duration(duration) => {
+            let exact = duration.value / step;
+            let steps = (exact - 1e-9 * exact.max(1.0)).ceil().max(0.0);
+            if (steps - exact).abs() > 1e-6 {
+                builder.warning(
+                    duration.span.clone(),
+                    format!("the duration is {exact:.3} steps of {step:e} s; the run takes {steps} steps"),
+                    "choose a step that divides the duration",
+                );
+            }
+            (steps, duration.span.clone())
+        }
+    };
+    let step = if steps == 0.0 && !(step > 0.0) { 1.0 } else { step };
+    if !(steps <= MOST_STEPS && step > 0.0 && step.is_finite()) {
+        builder.error(span, format!("{steps:e} steps are more than can be counted"));
+        return None;
+    }
+    plan.driver.step = step;
+    plan.driver.steps = steps as u64;
+    builder.decide_one(
+        "event-driven",
+        true,
+        format!("bodies fly freely from collision to collision; looked at every {step:.6e} s, {why}"),
+    );
+    let largest = plan.bodies.radius.iter().fold(0.0, |a: f64, b| a.max(*b));
+    if let Some(cell) = &builder.scene.cell
+        && let Err(error) = plan.cell.check_minimum_length(largest, 0.04 * largest)
+    {
+        builder.error_help(cell.span.clone(), error.to_string(), "a larger cell");
+    }
+    Some(())
+}
