@@ -166,7 +166,8 @@ fn the_energy_ledger_closes() {
         let before = energy(&driver);
         let last = driver.engine().plan().driver.steps;
         advance(&mut driver, last);
-        let work = driver.view().work();
+        let view = driver.view();
+        let work = view.work();
         let dissipated: f64 = work.viscous.iter().sum::<f64>() + work.friction.iter().sum::<f64>();
         assert!(work.viscous[0] > 0.0 && work.friction[2] > 0.0, "both mechanisms act");
         (energy(&driver) + dissipated - before) / dissipated

@@ -6,6 +6,10 @@ use crate::body::dot;
 use crate::engine::EventEngine;
 use crate::setup::EventError;
 
+/// Speed after which a resting body comes back, over its pull times the contact duration: a flight of 0.9 contact durations,
+/// so that the bounces of a body at rest count as overlapping.
+const REST: f64 = 0.45;
+
 impl EventEngine {
     /// Two bodies touch at a relative time.
     pub(crate) fn collide(&mut self, a: u32, b: u32, time: f64) -> Result<(), EventError> {
@@ -24,7 +28,7 @@ impl EventEngine {
             (true, true, false) => dot(self.gravity, normal),
             _ => 0.0,
         };
-        let least = 0.5 * self.contact_duration * pull.max(0.0);
+        let least = REST * self.contact_duration * pull.max(0.0);
         let elastic = self.is_overlapping(one, time) || self.is_overlapping(two, time);
         let rule = &self.rules[usize::from(index)];
         let done = collide(&*rule.rule, rule.rough, normal, &mut first, &mut second, elastic, least);
@@ -61,7 +65,7 @@ impl EventEngine {
         let contact = std::array::from_fn(|k| position[k] - radius * normal[k]);
         let velocity = plane.velocity(contact, absolute);
         let pull = plane.pull(self.gravity, absolute);
-        let least = 0.5 * self.contact_duration * pull.max(0.0);
+        let least = REST * self.contact_duration * pull.max(0.0);
         let mut first = self.colliding(one);
         let mut second =
             CollidingBody { velocity, spin: [0.0; 3], inverse_mass: 0.0, inertia_factor: 1.0, radius };

@@ -8,7 +8,7 @@ use granule_scene::{ContactBlock, EventBlock, LawBlock, PrecisionChoice, RunBloc
 
 use crate::build::Builder;
 use crate::laws::Setting;
-use crate::laws::check::{law_error, parameters};
+use crate::laws::check::{given_parameters, law_error};
 use crate::laws::meeting::{Meeting, meetings};
 use crate::model::{CollisionPlan, EventPlan, Plan};
 use crate::schedule::{MOST_STEPS, shortest_interval};
@@ -99,8 +99,17 @@ fn choose(builder: &mut Builder<'_>, law: &LawBlock) -> Option<(&'static Collisi
             return None;
         }
     };
-    let params = parameters(builder, entry.info, law)?;
-    Some((entry, params))
+    let info = entry.info;
+    let given = given_parameters(builder, law, info.name, info.parameters)?;
+    match Params::new(info, &given) {
+        Ok(params) => Some((entry, params)),
+        Err(errors) => {
+            for error in errors {
+                law_error(builder, law, info.name, &error);
+            }
+            None
+        }
+    }
 }
 
 /// Refuses walls that flights are not known for.
@@ -239,7 +248,7 @@ pub(crate) fn schedule(builder: &mut Builder<'_>, plan: &mut Plan, block: &Event
             (steps, duration.span.clone())
         }
     };
-    let step = if steps == 0.0 && !(step > 0.0) { 1.0 } else { step };
+    let step = if steps == 0.0 && step <= 0.0 { 1.0 } else { step };
     if !(steps <= MOST_STEPS && step > 0.0 && step.is_finite()) {
         builder.error(span, format!("{steps:e} steps are more than can be counted"));
         return None;

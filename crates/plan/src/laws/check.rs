@@ -144,16 +144,6 @@ pub(crate) fn given_parameters(
     parameters: &'static [&'static ParamSpec],
 ) -> Option<Vec<(&'static str, f64)>> {
     let mut good = true;
-    let params = parameters(builder, info, law)?;
-    Some(Chosen { entry, params, block: law })
-}
-
-/// The parameters of a law, checked.
-pub(crate) fn parameters(
-    builder: &mut Builder<'_>,
-    info: &'static LawInfo,
-    law: &LawBlock,
-) -> Option<Params> {
     let mut given: Vec<(&'static str, f64)> = Vec::new();
     for (index, (name, value)) in law.parameters.iter().enumerate() {
         let Some(spec) = parameters.iter().find(|spec| spec.name == name.value) else {

@@ -1,0 +1,289 @@
+//! Walls, gravity, and the contact-duration model.
+
+mod support;
+
+use std::sync::Arc;
+
+use granule_events::{BodyInput, EventEngine, EventError, Setup, WallInput};
+use granule_geometry::{Cell, Motion, Plane, Wall};
+use nalgebra::Vector3;
+use support::{Plain, Random};
+
+fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> BodyInput {
+    BodyInput {
+        id,
+        material: 0,
+        radius: 0.5,
+        mass: 1.0,
+        inertia_factor: 0.4,
+        position,
+        velocity,
+        spin: [0.0; 3],
+        frozen: false,
+    }
+}
+
+fn plane(point: [f64; 3], normal: [f64; 3], motion: Motion) -> WallInput {
+    let plane = Plane::new(Vector3::from(point), Vector3::from(normal)).unwrap();
+    WallInput { wall: Wall::new(plane, motion), rules: vec![Some(0)] }
+}
+
+fn world(bodies: Vec<BodyInput>, walls: Vec<WallInput>, rule: Plain, g: f64, t_c: f64) -> Setup {
+    Setup {
+        bodies,
+        walls,
+        rules: vec![Arc::new(rule)],
+        pairs: vec![Some(0)],
+        materials: 1,
+        cell: Cell::unbounded(),
+        gravity: [0.0, 0.0, -g],
+        contact_duration: t_c,
+    }
+}
+
+fn floor() -> WallInput {
+    plane([0.0; 3], [0.0, 0.0, 1.0], Motion::fixed())
+}
+
+/// The bouncing ball of Luding 1998, Sec. 2.1: v0 = 6.3 m/s, e = 0.9, g = 9.81 m/s².
+#[test]
+fn a_bouncing_ball_comes_to_rest_when_it_should() {
+    let (v0, e, g, t_c) = (6.3, 0.9, 9.81, 1e-6);
+    let setup =
+        world(vec![ball(1, [0.0, 0.0, 0.5], [0.0, 0.0, v0])], vec![floor()], Plain::smooth(e), g, t_c);
+    let mut engine = EventEngine::new(&setup).unwrap();
+    let mut speed = v0;
+    let mut at = 0.0;
+    let mut path = 0.0;
+    // The first impact is after 2 v0/g; each flight is e times as long as the one before (Luding 1998, Eq. (3)).
+    for bounce in 1..=120 {
+        at += 2.0 * speed / g;
+        speed *= e;
+        engine.advance_collisions(1).unwrap();
+        // Sums of a hundred flights, each rounded at the size of the whole time.
+        assert!((engine.time() - at).abs() < 1e-12 * at, "{bounce}: {} {at}", engine.time());
+        let v = engine.states(engine.time())[0].velocity[2];
+        assert!((v / speed - 1.0).abs() < 1e-9, "{bounce}: {v} {speed}");
+        path += v * v / g;
+        if bounce == 80 {
+            assert!((v / v0 / 0.9f64.powi(80) - 1.0).abs() < 1e-9);
+        }
+    }
+    // Eq. (4) and the way back and forth count from the first impact (erratum L-E24).
+    let end = 2.0 * v0 / (g * (1.0 - e));
+    assert!((e * end - 11.559_633_028).abs() < 1e-9);
+    // What is missing after 120 bounces is e^240, 1e-11 of the whole.
+    assert!((path - 17.248_2).abs() < 1e-4, "{path}");
+    engine.advance(1.02 * end, u64::MAX).unwrap();
+    let counts = *engine.counts();
+    // k_max = log(g t_c/(2 v0))/log(e) = 133.5: from the 134th impact on contacts overlap.
+    let lossy = counts.wall_collisions - counts.overlapping;
+    assert_eq!(lossy, 134, "{counts:?}");
+    let first = counts.first_overlapping.unwrap();
+    assert!((first - end).abs() < 1e-4 * end, "{first} {end}");
+    assert!(counts.leaves_the_hard_sphere_world());
+    // Bounces of at most the contact duration: about one event in that time, and never far from the floor.
+    assert!(counts.wall_collisions < (0.02 * end / (0.9 * t_c)) as u64 + 1000);
+    let height = engine.states(1.02 * end)[0].position[2] - 0.5;
+    assert!((-1e-12..1.3 * g * t_c * t_c / 8.0 + 1e-12).contains(&height), "{height:e}");
+}
+
+#[test]
+fn a_ball_that_lies_on_the_floor_stays_there() {
+    for e in [0.0, 0.5, 1.0] {
+        let setup = world(
+            vec![ball(1, [0.0, 0.0, 0.5], [0.3, 0.0, 0.0])],
+            vec![floor()],
+            Plain::smooth(e),
+            9.81,
+            1e-4,
+        );
+        let mut engine = EventEngine::new(&setup).unwrap();
+        engine.advance(1.0, u64::MAX).unwrap();
+        let state = engine.states(1.0)[0];
+        assert!((state.position[0] - 0.3).abs() < 1e-12);
+        assert!((state.position[2] - 0.5).abs() < 9.81 * 1e-8 / 8.0 + 1e-12, "{state:?}");
+        assert!(engine.counts().wall_collisions < 12_000, "{:?}", engine.counts());
+        assert!(engine.counts().resting > 0);
+    }
+}
+
+#[test]
+fn a_shaken_floor_gives_the_energy_of_its_work() {
+    let motion = Motion::sinusoidal(Vector3::z() * 0.1, 30.0, 0.4).unwrap();
+    let bodies = (0..5).map(|k| ball(k + 1, [0.3, 0.0, 2.0 + 1.5 * f64::from(k)], [0.0; 3])).collect();
+    let setup = world(bodies, vec![plane([0.0; 3], [0.0, 0.0, 1.0], motion)], Plain::smooth(0.8), 9.81, 1e-5);
+    let mut engine = EventEngine::new(&setup).unwrap();
+    let energy = |engine: &EventEngine, t: f64| {
+        let potential: f64 = engine.states(t).iter().map(|s| 9.81 * s.position[2]).sum();
+        engine.kinetic_energy(t).0 + potential
+    };
+    let start = energy(&engine, 0.0);
+    for step in 1..=50 {
+        let t = 0.1 * f64::from(step);
+        engine.advance(t, u64::MAX).unwrap();
+        let counts = engine.counts();
+        let balance = start + counts.wall_work - counts.lost_normal;
+        let scale = start + counts.wall_work.abs() + counts.lost_normal;
+        assert!((energy(&engine, t) - balance).abs() < 1e-10 * scale, "{t}");
+        for state in engine.states(t) {
+            let place = 0.1 * (30.0 * t + 0.4).sin();
+            assert!(state.position[2] - 0.5 - place > -1e-12, "{t}: {state:?}");
+        }
+    }
+    assert!(engine.counts().wall_work > 1.0 && engine.counts().wall_collisions > 10);
+}
+
+#[test]
+fn a_box_with_a_piston_heats_the_gas_adiabatically() {
+    // One dimension of one ball between a wall and a slow piston: v L is an adiabatic invariant.
+    let walls = vec![
+        plane([0.0; 3], [1.0, 0.0, 0.0], Motion::fixed()),
+        plane([11.0, 0.0, 0.0], [-1.0, 0.0, 0.0], Motion::constant_velocity(-Vector3::x() * 0.001).unwrap()),
+    ];
+    let setup = world(vec![ball(1, [0.5, 0.0, 0.0], [1.0, 0.0, 0.0])], walls, Plain::smooth(1.0), 0.0, 1e-9);
+    let mut engine = EventEngine::new(&setup).unwrap();
+    engine.advance(5000.0, u64::MAX).unwrap();
+    let v = engine.states(5000.0)[0].velocity[0].abs();
+    // Half of the room is left; the invariant holds to the share of the piston's speed.
+    assert!((v - 2.0).abs() < 0.01, "{v}");
+}
+
+#[test]
+fn a_ball_falls_on_a_frozen_one_on_a_curve() {
+    let mut still = ball(2, [0.0; 3], [0.0; 3]);
+    still.frozen = true;
+    let setup = world(
+        vec![ball(1, [0.3, 0.0, 3.0], [0.1, 0.0, 0.0]), still],
+        Vec::new(),
+        Plain::smooth(0.7),
+        9.81,
+        1e-6,
+    );
+    let mut engine = EventEngine::new(&setup).unwrap();
+    engine.advance_collisions(1).unwrap();
+    let t = engine.time();
+    let place = [0.3 + 0.1 * t, 3.0 - 0.5 * 9.81 * t * t];
+    assert!((place[0].hypot(place[1]) - 1.0).abs() < 1e-12);
+    engine.advance(t + 0.1, u64::MAX).unwrap();
+    assert_eq!(engine.states(t + 0.1)[1].velocity, [0.0; 3]);
+    // It rests on the very top and bounces there, where g points to the other.
+    let mut still = ball(2, [0.0; 3], [0.0; 3]);
+    still.frozen = true;
+    let setup =
+        world(vec![ball(1, [0.0, 0.0, 1.0], [0.0; 3]), still], Vec::new(), Plain::smooth(0.5), 9.81, 1e-4);
+    let mut engine = EventEngine::new(&setup).unwrap();
+    engine.advance(0.5, u64::MAX).unwrap();
+    assert!((engine.states(0.5)[0].position[2] - 1.0).abs() < 1e-7);
+    assert!(engine.counts().collisions < 20_000);
+}
+
+/// Three balls on a line collapse for r below 7 - 4 sqrt 3 = 0.0718 (Constantin, Grossman and Mungan 1995): there the
+/// contact-duration model ends the infinite series, above it the collisions are few by themselves.
+#[test]
+fn three_balls_collapse_below_the_critical_restitution() {
+    let run = |r: f64| {
+        // The middle one runs between an outer pair that closes in.
+        let bodies = vec![
+            ball(1, [-1.01, 0.0, 0.0], [1.0, 0.0, 0.0]),
+            ball(2, [0.0, 0.0, 0.0], [0.0; 3]),
+            ball(3, [1.5, 0.0, 0.0], [-1.0, 0.0, 0.0]),
+        ];
+        let mut engine = EventEngine::new(&world(bodies, Vec::new(), Plain::smooth(r), 0.0, 1e-12)).unwrap();
+        engine.advance(10.0, 1_000_000).unwrap();
+        *engine.counts()
+    };
+    let above = run(0.5);
+    assert_eq!(above.overlapping, 0, "{above:?}");
+    assert!(above.collisions < 10);
+    let below = run(0.05);
+    assert!(below.overlapping > 0, "{below:?}");
+    assert!(below.collisions < 100);
+}
+
+/// A column of beads dropped on a plate: the event-driven model lets it bounce as a loose train, and after that it rests.
+#[test]
+fn a_column_that_falls_on_a_plate_comes_to_rest_without_stalling() {
+    let count = 10;
+    let bodies = (0..count).map(|k| ball(k + 1, [0.0, 0.0, 1.5 + 1.001 * f64::from(k)], [0.0; 3])).collect();
+    let setup = world(bodies, vec![floor()], Plain::smooth(0.8), 9.81, 1e-4);
+    let mut engine = EventEngine::new(&setup).unwrap();
+    engine.advance(0.6, u64::MAX).unwrap();
+    assert!(engine.counts().collisions > 10);
+    engine.advance(8.0, u64::MAX).unwrap();
+    let states = engine.states(8.0);
+    for (k, state) in states.iter().enumerate() {
+        let expected = 0.5 + k as f64;
+        assert!((state.position[2] - expected).abs() < 1e-3 * (1.0 + k as f64), "{k}: {state:?}");
+    }
+    // Each bead about once a contact duration at most, on average.
+    let most = f64::from(count) * 8.0 / 1e-4 * 3.0;
+    assert!((engine.counts().all() as f64) < most, "{:?}", engine.counts());
+}
+
+#[test]
+fn a_heap_in_a_box_settles() {
+    let mut random = Random(5);
+    let mut bodies = Vec::new();
+    for k in 0..60u32 {
+        let (x, y, z) = (k % 3, k / 3 % 3, k / 9);
+        let jitter = || 0.0;
+        let place = [f64::from(x), f64::from(y), f64::from(z)].map(|c| 0.7 + 1.1 * c + jitter());
+        bodies.push(ball(k + 1, place, std::array::from_fn(|_| random.normal())));
+    }
+    let mut walls = vec![floor()];
+    for (point, normal) in [
+        ([0.0; 3], [1.0, 0.0, 0.0]),
+        ([4.0, 0.0, 0.0], [-1.0, 0.0, 0.0]),
+        ([0.0; 3], [0.0, 1.0, 0.0]),
+        ([0.0, 4.0, 0.0], [0.0, -1.0, 0.0]),
+    ] {
+        walls.push(plane(point, normal, Motion::fixed()));
+    }
+    let rule = Plain { restitution: 0.6, friction: 0.4, tangential_restitution: 0.0 };
+    let setup = world(bodies, walls, rule, 9.81, 1e-3);
+    let mut engine = EventEngine::new(&setup).unwrap();
+    engine.advance(6.0, u64::MAX).unwrap();
+    let states = engine.states(6.0);
+    for (i, a) in states.iter().enumerate() {
+        assert!(a.position[2] > 0.5 - 1e-10 && a.position[2] < 6.0, "{a:?}");
+        assert!(a.velocity.iter().all(|v| v.abs() < 0.3), "{a:?}");
+        for b in &states[..i] {
+            let d: f64 = (0..3).map(|k| (a.position[k] - b.position[k]).powi(2)).sum::<f64>().sqrt();
+            assert!(d > 1.0 - 1e-10, "overlap {:e}", 1.0 - d);
+        }
+    }
+    assert!(engine.counts().overlapping_share() > 0.5, "lasting contacts: {:?}", engine.counts());
+}
+
+#[test]
+fn crushed_bodies_end_the_run_with_a_reason() {
+    let walls = vec![
+        plane([0.0; 3], [1.0, 0.0, 0.0], Motion::fixed()),
+        plane([1.5, 0.0, 0.0], [-1.0, 0.0, 0.0], Motion::constant_velocity(-Vector3::x()).unwrap()),
+    ];
+    let setup = world(vec![ball(1, [0.6, 0.0, 0.0], [1.0, 0.0, 0.0])], walls, Plain::smooth(1.0), 0.0, 1e-3);
+    let mut engine = EventEngine::new(&setup).unwrap();
+    let error = engine.advance(1.0, u64::MAX).unwrap_err();
+    assert!(matches!(error, EventError::Stalled { .. } | EventError::NotFinite { .. }), "{error}");
+    assert!(error.to_string().contains('1'));
+}
+
+#[test]
+fn what_no_hard_scene_may_have_is_refused() {
+    let good =
+        || world(vec![ball(1, [0.0, 0.0, 2.0], [0.0; 3])], vec![floor()], Plain::smooth(0.9), 9.81, 1e-5);
+    assert!(EventEngine::new(&good()).is_ok());
+    let no_duration = Setup { contact_duration: 0.0, ..good() };
+    assert!(matches!(EventEngine::new(&no_duration), Err(EventError::Input(_))));
+    let overlapping = Setup { bodies: vec![ball(1, [0.0, 0.0, 0.4], [0.0; 3])], ..good() };
+    assert!(matches!(EventEngine::new(&overlapping), Err(EventError::Overlap { other: Err(0), .. })));
+    let pair = vec![ball(1, [0.0, 0.0, 2.0], [0.0; 3]), ball(2, [0.0, 0.0, 2.9], [0.0; 3])];
+    let overlapping = Setup { bodies: pair, ..good() };
+    assert!(matches!(EventEngine::new(&overlapping), Err(EventError::Overlap { other: Ok(_), .. })));
+    let nan = Setup { bodies: vec![ball(1, [0.0, 0.0, f64::NAN], [0.0; 3])], ..good() };
+    assert!(matches!(EventEngine::new(&nan), Err(EventError::NotFinite { id: 1, .. })));
+    let mut light = good();
+    light.bodies[0].mass = 0.0;
+    assert!(EventEngine::new(&light).is_err());
+}
