@@ -12,6 +12,12 @@ use crate::command::{Error, cargo, run};
 /// An option is unknown, or a benchmark fails; the exit code is that of the program.
 pub fn bench(root: &Path, words: &[String]) -> Result<(), Error> {
     let mut command = Command::new(cargo());
+    if let [first, rest @ ..] = words
+        && first == "event"
+    {
+        let example = ["run", "--quiet", "--release", "--package", "granule-events", "--example", "speed"];
+        return run(command.args(example).arg("--").args(rest).current_dir(root));
+    }
     command.args([
         "run",
         "--quiet",

@@ -25,7 +25,7 @@ cargo xtask <task>
                  --pairs  rounds of ours and each engine (default 5)
                  --single our laws in single precision
                `bench parts` counts the instructions of a step by source file (needs valgrind), `bench plugin`
-               measures what it costs that laws are crates
+               measures what it costs that laws are crates, `bench event` the collisions a second of hard spheres
   figures NAME [--docs]
                compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding
                  --docs   write them into docs/ instead

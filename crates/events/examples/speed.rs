@@ -1,4 +1,5 @@
-//! Collisions a second of a gas: `cargo run --release -p granule-events --example speed -- N PHI E COLLISIONS [NEIGHBOURS AHEAD EVERY]`.
+//! Collisions a second of gases of hard spheres in a periodic cube, on one core: `cargo xtask bench event`, or one gas with
+//! `cargo xtask bench event N PHI E COLLISIONS [NEIGHBOURS AHEAD EVERY]`. E below 1 cools from the melted elastic gas.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -9,14 +10,22 @@ use support::{Plain, gas};
 fn main() {
     let given: Vec<f64> = std::env::args().skip(1).filter_map(|text| text.parse().ok()).collect();
     let [n, phi, e, collisions, ..] = given[..] else {
-        eprintln!("N PHI E COLLISIONS [NEIGHBOURS AHEAD EVERY]");
+        for (phi, e) in [(0.3, 1.0), (0.49, 1.0), (0.05, 0.9)] {
+            for n in [1e4, 1e5, 1e6] {
+                measure(n, phi, e, 2e6, Tuning::default());
+            }
+        }
         return;
     };
-    let cells = (n / 4.0).cbrt().round() as usize;
     let mut tuning = Tuning::default();
     if let [_, _, _, _, neighbours, ahead, every] = given[..] {
         tuning = Tuning { neighbours, ahead, renumber_every: every };
     }
+    measure(n, phi, e, collisions, tuning);
+}
+
+fn measure(n: f64, phi: f64, e: f64, collisions: f64, tuning: Tuning) {
+    let cells = (n / 4.0).cbrt().round() as usize;
     let mut setup = gas(cells, phi, Plain::smooth(1.0), 0.0, 1);
     let bodies = setup.bodies.len() as f64;
     let mut engine = EventEngine::with_tuning(&setup, tuning).expect("a gas");

@@ -64,9 +64,15 @@ impl Period {
     #[inline(always)]
     pub fn nearest(&self, d: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|axis| {
-            let half = self.half[axis];
-            let turns = f64::from(u8::from(d[axis] > half)) - f64::from(u8::from(d[axis] < -half));
-            d[axis] - turns * self.length[axis]
+            let (half, length, d) = (self.half[axis], self.length[axis], d[axis]);
+            // Most pairs are in one image: the branches are foreseen.
+            if d > half {
+                d - length
+            } else if d < -half {
+                d + length
+            } else {
+                d
+            }
         })
     }
 }

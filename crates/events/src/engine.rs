@@ -55,7 +55,7 @@ pub struct Tuning {
 
 impl Default for Tuning {
     fn default() -> Self {
-        Self { neighbours: 11.0, ahead: 0.5, renumber_every: 100.0 }
+        Self { neighbours: 14.0, ahead: 0.3, renumber_every: 100.0 }
     }
 }
 
@@ -109,6 +109,8 @@ pub struct EventEngine {
     pub(crate) queue: Calendar<Target>,
     pub(crate) neighbours: Neighbours,
     pub(crate) cells: Cells,
+    /// Room for the neighbours that a search finds.
+    pub(crate) found: Vec<u32>,
     /// Radius of shells over that of their body.
     pub(crate) margin: f64,
     /// Simulated time at which relative times are zero, and the relative time of the last event.
@@ -174,6 +176,7 @@ impl EventEngine {
             queue: Calendar::new(count, Target::default()),
             neighbours: Neighbours::default(),
             cells: Cells::default(),
+            found: Vec::new(),
             margin: 0.0,
             epoch: 0.0,
             now: 0.0,

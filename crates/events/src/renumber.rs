@@ -97,30 +97,25 @@ impl EventEngine {
         let shell = self.shells[body as usize];
         let frozen = self.identities[body as usize].inverse_mass == 0.0;
         let selective = self.mixed || frozen || self.pairs.iter().any(Option::is_none);
-        let mut found = [0u32; 128];
-        let mut count = 0;
+        let mut found = std::mem::take(&mut self.found);
+        found.clear();
         let Self { cells, shells, period, .. } = self;
-        let mut rest = Vec::new();
         cells.around(shell.centre, |other| {
             let there = &shells[other as usize];
             let d = period.nearest(std::array::from_fn(|k| shell.centre[k] - there.centre[k]));
             let reach = shell.reach + there.reach;
             if dot(d, d) < reach * reach {
-                if count < found.len() {
-                    found[count] = other;
-                    count += 1;
-                } else {
-                    rest.push(other);
-                }
+                found.push(other);
             }
         });
-        for other in found[..count].iter().copied().chain(rest) {
+        for &other in &found {
             let both_frozen = frozen && self.identities[other as usize].inverse_mass == 0.0;
             if selective && (both_frozen || self.rule_of(body, other).is_none()) {
                 continue;
             }
             self.neighbours.join(body, other);
         }
+        self.found = found;
     }
 
     /// The cell in periodic directions, and where the bodies are in the others.

@@ -1,7 +1,9 @@
 //! Every block and field of a scene, in one place: the reader refuses what is not listed here, and the manual prints it.
 
+mod event;
 mod substrate;
 
+pub use event::EVENT;
 pub use substrate::SUBSTRATE;
 
 /// One field.
@@ -484,27 +486,6 @@ pub const CONVENTIONS: Block = Block {
             "`Synchronised` or `HalfStep`",
             "of the preset",
             "Velocities in forces: of the time of the positions, or half a step earlier. Chooses the default integrator.",
-        ),
-    ],
-};
-
-pub const EVENT: Block = Block {
-    name: "Event",
-    doc: "The event-driven driver: hard bodies that fly freely and collide in an instant, by the rule `collision` of their \
-          contact. Walls are planes that are fixed, move with a constant velocity, oscillate, or turn in their own plane.",
-    fields: &[
-        opt(
-            "step",
-            "time in s, greater than 0",
-            "the shortest interval of an output, or a hundredth of the duration",
-            "Interval at which the run can be looked at: steps of `run` and `every` are these. The motion does not depend on it.",
-        ),
-        opt(
-            "contact_duration",
-            "time in s, greater than 0",
-            "1e-4 of the shorter of sqrt(d/g) and d/v, where it is needed",
-            "A collision less than this after the last one of one of its bodies loses no energy along the normal, so that \
-             inelastic collapse ends. Also decides how bodies rest: in bounces of about this duration.",
         ),
     ],
 };
