@@ -73,6 +73,11 @@ impl Run {
         self.driver.time()
     }
 
+    /// Number of contacts between bodies now.
+    pub fn contacts(&self) -> u64 {
+        self.driver.engine().tally().contacts
+    }
+
     /// Advances to a step.
     ///
     /// # Errors

@@ -27,7 +27,7 @@ cargo xtask <task>
                `bench parts` counts the instructions of a step by source file (needs valgrind), `bench plugin`
                measures what it costs that laws are crates, `bench event` the collisions a second of hard spheres
   figures NAME [--docs]
-               compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding
+               compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding, kondic
                  --docs   write them into docs/ instead
   new-law SLOT/NAME [--external DIR]
                write a new law crate: in laws/, or with --external a crate and a program of its own in DIR
