@@ -88,7 +88,7 @@ pub(crate) struct Batch<T> {
     pub normal_damping: Column<T>,
     pub tangential_force: [Column<T>; 3],
     pub contact_torque: [Column<T>; 3],
-    pub energy: [Column<T>; 3],
+    pub energy: [Column<T>; 4],
     pub history: Vec<Column<T>>,
 }
 
@@ -119,7 +119,7 @@ impl<T: Real> Batch<T> {
             normal_damping: scalar,
             tangential_force: [scalar; 3],
             contact_torque: [scalar; 3],
-            energy: [scalar; 3],
+            energy: [scalar; 4],
             history: vec![scalar; history_width],
         }
     }
@@ -193,7 +193,10 @@ impl<T: Real> Batch<T> {
             for (slice, column) in slices.iter_mut().zip(columns) {
                 *slice = &mut column[..n];
             }
-            let [elastic, viscous, friction] = &mut self.energy;
+            let [elastic, viscous, friction, slipped] = &mut self.energy;
+            if ledger {
+                slipped[..n].fill(T::ZERO);
+            }
             let [fx, fy, fz] = &mut self.tangential_force;
             let [tx, ty, tz] = &mut self.contact_torque;
             let mut chunk = ContactChunk {
@@ -223,6 +226,7 @@ impl<T: Real> Batch<T> {
                     elastic: &mut elastic[..n],
                     viscous: &mut viscous[..n],
                     friction: &mut friction[..n],
+                    slipped: &mut slipped[..n],
                 }),
             };
             stage.run(&mut chunk);
@@ -233,6 +237,7 @@ impl<T: Real> Batch<T> {
                 tally.elastic[slot] += sum(&self.energy[0]);
                 tally.viscous[slot] += sum(&self.energy[1]);
                 tally.friction[slot] += sum(&self.energy[2]);
+                tally.slipped[slot] += sum(&self.energy[3]);
             }
         }
     }

@@ -17,6 +17,8 @@ pub struct Tally {
     pub viscous: [f64; Slot::ALL.len()],
     /// Frictional dissipation \[W\] by slot; zero without the energy ledger.
     pub friction: [f64; Slot::ALL.len()],
+    /// Energy lost by sliding within the step that ends now \[J\] by slot; zero without the energy ledger.
+    pub slipped: [f64; Slot::ALL.len()],
     /// Power that moving walls exert on the bodies \[W\].
     pub wall_power: f64,
     /// Force of the bodies on each wall \[N\].
@@ -35,7 +37,12 @@ impl Tally {
     }
 
     pub(crate) fn powers(&self) -> Powers {
-        Powers { viscous: self.viscous, friction: self.friction, walls: self.wall_power }
+        Powers {
+            viscous: self.viscous,
+            friction: self.friction,
+            slipped: self.slipped,
+            walls: self.wall_power,
+        }
     }
 
     pub(crate) fn add(&mut self, other: &Self) {
@@ -46,6 +53,7 @@ impl Tally {
             self.elastic[slot] += other.elastic[slot];
             self.viscous[slot] += other.viscous[slot];
             self.friction[slot] += other.friction[slot];
+            self.slipped[slot] += other.slipped[slot];
         }
         self.wall_power += other.wall_power;
         for (sum, part) in self.wall_force.iter_mut().zip(&other.wall_force) {
@@ -61,10 +69,12 @@ impl Tally {
 pub(crate) struct Powers {
     viscous: [f64; Slot::ALL.len()],
     friction: [f64; Slot::ALL.len()],
+    slipped: [f64; Slot::ALL.len()],
     walls: f64,
 }
 
-/// Work and dissipation since the start of the run, integrated with the trapezoidal rule over the steps.
+/// Work and dissipation since the start of the run, integrated with the trapezoidal rule over the steps; what
+/// springs lose by sliding within a step is added as it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Work {
     /// Viscous (or plastic) dissipation \[J\] by slot.
@@ -80,7 +90,7 @@ impl Work {
         let mean = |a: f64, b: f64| 0.5 * (a + b) * time_step;
         for slot in 0..Slot::ALL.len() {
             self.viscous[slot] += mean(before.viscous[slot], after.viscous[slot]);
-            self.friction[slot] += mean(before.friction[slot], after.friction[slot]);
+            self.friction[slot] += mean(before.friction[slot], after.friction[slot]) + after.slipped[slot];
         }
         self.walls += mean(before.walls, after.walls);
     }

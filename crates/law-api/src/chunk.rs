@@ -52,6 +52,10 @@ pub struct EnergyColumns<'a, T> {
     pub viscous: &'a mut [T],
     /// Power now dissipated by sliding \[W\].
     pub friction: &'a mut [T],
+    /// Energy dissipated by sliding within the step that has just ended \[J\], for a stage that knows it: a spring that is cut
+    /// to its limit loses what it was wound up by. It counts beside `friction`, whose powers are integrated by the
+    /// trapezoidal rule. Zero when the stage begins; a stage need not write it.
+    pub slipped: &'a mut [T],
 }
 
 /// A compiled law: constants folded in, ready to run over chunks.

@@ -209,8 +209,8 @@ struct Block<T> {
     limit: [T; BLOCK],
     force: [[T; BLOCK]; 3],
     spring: [[T; BLOCK]; 3],
-    /// Elastic energy, viscous and frictional power.
-    energy: [[T; BLOCK]; 3],
+    /// Elastic energy, viscous and frictional power, energy lost by sliding.
+    energy: [[T; BLOCK]; 4],
 }
 
 impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Stage<T>
@@ -225,7 +225,7 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Stage<T>
             limit: zeros,
             force: [zeros; 3],
             spring: [zeros; 3],
-            energy: [zeros; 3],
+            energy: [zeros; 4],
         };
         let total = chunk.len();
         let mut start = 0;
@@ -258,6 +258,7 @@ fn store<T: Real>(chunk: &mut ContactChunk<'_, T>, start: usize, block: &Block<T
         energy.elastic[start..][..n].copy_from_slice(&block.energy[0][..n]);
         energy.viscous[start..][..n].copy_from_slice(&block.energy[1][..n]);
         energy.friction[start..][..n].copy_from_slice(&block.energy[2][..n]);
+        energy.slipped[start..][..n].copy_from_slice(&block.energy[3][..n]);
     }
 }
 
@@ -272,7 +273,7 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
     ) {
         let dt = chunk.time_step;
         let (dt_before, dt_after) = (self.before * dt, (T::ONE - self.before) * dt);
-        let per_step = if dt > T::ZERO { T::ONE / dt } else { T::ZERO };
+        let moves = dt > T::ZERO;
         let overlap = &chunk.overlap[start..][..n];
         let [sx, sy, sz] = &*chunk.history else {
             panic!("TangentialSpring has three history columns, not {}", chunk.history.len());
@@ -285,8 +286,9 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
         let (fx, fy, fz) = (&mut fx[..n], &mut fy[..n], &mut fz[..n]);
         let [kx, ky, kz] = &mut block.spring;
         let (kx, ky, kz) = (&mut kx[..n], &mut ky[..n], &mut kz[..n]);
-        let [elastic, viscous, friction] = &mut block.energy;
-        let (elastic, viscous, friction) = (&mut elastic[..n], &mut viscous[..n], &mut friction[..n]);
+        let [elastic, viscous, friction, slipped] = &mut block.energy;
+        let (elastic, viscous) = (&mut elastic[..n], &mut viscous[..n]);
+        let (friction, slipped) = (&mut friction[..n], &mut slipped[..n]);
         let normal_velocity = if ENERGY { &chunk.normal_velocity[start..][..n] } else { overlap };
         let stiffens = ENERGY && matches!(self.stiffness.0, Stiffness::ContactRadius(_));
         let radius = if stiffens { &chunk.reduced_radius[start..][..n] } else { overlap };
@@ -314,10 +316,23 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
                 elastic[k] = (half * dot(stored, held.spring)).keep_if(touches);
                 let damped =
                     if DAMPED { held.damper * damping[k] * dot(velocity, velocity) } else { T::ZERO };
+                // What the step wound up and the limit took away again, at the mean of the forces of the spring before and
+                // after: with it the account closes to second order, whatever the limit does meanwhile.
                 let begun = add(before, times(velocity, -dt_after));
-                let change = dot(stored, add(held.spring, times(begun, -T::ONE))) * per_step;
-                let slid = (dot(held.force, velocity) - damped - change).keep_if(held.slides);
-                friction[k] = slid.keep_if(touches);
+                let cut_off = add(trial, times(held.spring, -T::ONE));
+                let mean = add(begun, held.spring);
+                // A spring that was and stays empty is so to round-off.
+                let noise = T::of(16.0) * T::EPSILON;
+                let stretched = dot(mean, mean) > noise * noise * dot(trial, trial);
+                let lost = half * kt * dot(mean, cut_off);
+                slipped[k] = lost.keep_if(held.slides && touches && moves && stretched);
+                // A force that the limit cuts below that of the spring takes up less than the spring gives.
+                let beyond = if TEST == SPRING_THEN_TOTAL && DAMPED {
+                    dot(held.force, velocity) - damped - dot(stored, velocity)
+                } else {
+                    T::ZERO
+                };
+                friction[k] = beyond.keep_if(held.slides && touches);
                 // A stiffness that follows the contact radius changes the stored energy without work.
                 let stiffening = if stiffens {
                     // Overlaps below the resolution of positions have no rate.

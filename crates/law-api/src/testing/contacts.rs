@@ -37,6 +37,8 @@ pub struct Contacts<T> {
     pub viscous: Vec<T>,
     /// Frictional power \[W\].
     pub friction: Vec<T>,
+    /// Energy lost by sliding within the step \[J\].
+    pub slipped: Vec<T>,
 }
 
 impl<T: Real> Contacts<T> {
@@ -65,6 +67,7 @@ impl<T: Real> Contacts<T> {
             elastic: zeros(),
             viscous: zeros(),
             friction: zeros(),
+            slipped: zeros(),
         }
     }
 
@@ -93,6 +96,7 @@ impl<T: Real> Contacts<T> {
             columns.each_mut().map(Vec::as_mut_slice)
         }
         let mut history: Vec<&mut [T]> = self.history.iter_mut().map(Vec::as_mut_slice).collect();
+        self.slipped.fill(T::ZERO);
         let keep = if optional { self.overlap.len() } else { 0 };
         let mut chunk = ContactChunk {
             time_step: T::of(time_step),
@@ -113,6 +117,7 @@ impl<T: Real> Contacts<T> {
                 elastic: &mut self.elastic,
                 viscous: &mut self.viscous,
                 friction: &mut self.friction,
+                slipped: &mut self.slipped,
             }),
         };
         stage.run(&mut chunk);
@@ -140,6 +145,7 @@ impl<T: Real> Contacts<T> {
             elastic: pick(&self.elastic),
             viscous: pick(&self.viscous),
             friction: pick(&self.friction),
+            slipped: pick(&self.slipped),
         }
     }
 
@@ -164,6 +170,7 @@ impl<T: Real> Contacts<T> {
         outputs.push(("elastic energy".into(), None, &self.elastic));
         outputs.push(("viscous power".into(), None, &self.viscous));
         outputs.push(("frictional power".into(), None, &self.friction));
+        outputs.push(("energy lost by sliding".into(), None, &self.slipped));
         outputs
     }
 

@@ -160,7 +160,7 @@ fn integrate(case: &Case<'_>, stage: &dyn Stage<f64>, impact: &Impact, duration:
         }
         let new = evaluate(&mut contact, overlap, half - 0.5 * step * force / mass, step);
         velocity = half - 0.5 * step * new.0 / mass;
-        dissipated += 0.5 * step * (power + new.2);
+        dissipated += 0.5 * step * (power + new.2) + contact.slipped[0];
         time += step;
         if before.1 > 0.0 && velocity <= 0.0 {
             // Top of the parabola through the state before.

@@ -143,18 +143,18 @@ fn integrate(case: &Case<'_>, stage: &dyn Stage<f64>, impact: &ObliqueImpact, st
         }
         contact.run_with(stage, step, true, energy);
         let force: f64 = (0..3).map(|axis| contact.tangential_force[axis][0] * along[axis]).sum();
-        (force, contact.elastic[0], contact.viscous[0] + contact.friction[0])
+        (force, contact.elastic[0], contact.viscous[0] + contact.friction[0], contact.slipped[0])
     };
     let unit = 0.5 * mass * impact.tangential_speed * impact.tangential_speed;
     let mut velocity = impact.tangential_speed;
-    let (mut force, _, mut power) = evaluate(0.0, velocity, 0.0);
+    let (mut force, _, mut power, _) = evaluate(0.0, velocity, 0.0);
     let (mut gain, mut missing, mut dissipated) = (f64::NEG_INFINITY, 0.0, 0.0);
     for index in 1..=steps {
         let half = velocity + 0.5 * step * force / mass;
         let time = step * f64::from(index);
         let new = evaluate(time, half + 0.5 * step * force / mass, step);
         velocity = half + 0.5 * step * new.0 / mass;
-        dissipated += 0.5 * step * (power + new.2);
+        dissipated += 0.5 * step * (power + new.2) + new.3;
         (force, power) = (new.0, new.2);
         let kept = (0.5 * mass * velocity * velocity + new.1) / unit - 1.0;
         gain = gain.max(kept);

@@ -218,6 +218,7 @@ fn declared_writes<T: Real>(
     bare.elastic.clone_from(&full.elastic);
     bare.viscous.clone_from(&full.viscous);
     bare.friction.clone_from(&full.friction);
+    bare.slipped.clone_from(&full.slipped);
     if let Some((name, k)) = difference(&bare, &full, identical) {
         report.fail(
             "writes",
