@@ -14,12 +14,13 @@ use super::{
 pub fn script(scene: &PeerScene) -> Result<String, PeerError> {
     let mut text = format!(
         "# {}\nunits si\natom_style sphere\nboundary {}\nprocessors {}\nnewton off\ncomm_modify vel yes\n\
-         read_data {BODIES}\nneighbor {:?} {}\nneigh_modify delay 0 every 1 check yes\n",
+         read_data {BODIES}\nneighbor {:?} {}\nneigh_modify delay 0 every 1 check {}\n",
         scene.title,
         boundary(scene),
         scene.tuning.processors(),
         scene.skin,
-        if scene.tuning.size_classes.is_empty() { "bin" } else { "multi" }
+        if scene.tuning.size_classes.is_empty() { "bin" } else { "multi" },
+        scene.tuning.check()
     );
     if !scene.tuning.size_classes.is_empty() {
         text.push_str("comm_modify mode multi vel yes\n");

@@ -29,10 +29,11 @@ pub fn script(scene: &PeerScene) -> Result<String, PeerError> {
         format_args!(
             "atom_style granular\natom_modify map array\nboundary {}\nprocessors {}\nnewton off\n\
              communicate single vel yes\nread_data {BODIES}\nneighbor {:?} bin\n\
-             neigh_modify delay 0 every 1 check yes\n",
+             neigh_modify delay 0 every 1 check {}\n",
             boundary(scene),
             scene.tuning.processors(),
-            scene.skin
+            scene.skin,
+            scene.tuning.check()
         ),
     );
     properties(&mut text, scene.kinds(), &laws, &materials);

@@ -286,16 +286,24 @@ impl PeerLaw {
     }
 }
 
-/// How an engine is to work: this changes its speed, and its results by round-off only.
+/// How an engine is to work. All but `always_anew` changes its speed, and its results by round-off only.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tuning {
     /// Ranks along x, y and z; `None` leaves x and y to the engine, with one rank along z.
     pub ranks: Option<[usize; 3]>,
     /// Largest diameters of the classes of sizes that LAMMPS searches separately (m); empty for one class.
     pub size_classes: Vec<f64>,
+    /// Neighbour lists are made anew in every step. LIGGGHTS forgets the spring of a contact that has ended only when it
+    /// makes its lists anew: two bodies that touch again before that begin with the old spring.
+    pub always_anew: bool,
 }
 
 impl Tuning {
+    /// Last argument of `neigh_modify delay 0 every 1 check`.
+    pub(super) fn check(&self) -> &'static str {
+        if self.always_anew { "no" } else { "yes" }
+    }
+
     /// Arguments of `processors`.
     pub(super) fn processors(&self) -> String {
         self.ranks.map_or("* * 1".to_owned(), |[x, y, z]| format!("{x} {y} {z}"))
