@@ -1,6 +1,8 @@
 //! The figures of Luding 1998.
 
+mod bounce;
 mod damped;
+mod oblique;
 
 use crate::{Chapter, Error, Figure};
 
@@ -17,6 +19,8 @@ pub const CHAPTER: Chapter = Chapter {
 
 fn figures() -> Result<Vec<Figure>, Error> {
     let mut figures = Vec::new();
+    figures.push(bounce::figure()?);
     figures.extend(damped::figures()?);
+    figures.extend(oblique::figures()?);
     Ok(figures)
 }

@@ -53,6 +53,8 @@ pub enum Command {
         #[arg(long, requires = "name")]
         example: bool,
     },
+    /// Fit restitution, friction and tangential restitution to measured impacts
+    Calibrate(CalibrateArguments),
     /// Print a completion script for a shell
     Completions {
         /// Shell
@@ -79,6 +81,29 @@ fn positive(text: &str) -> Result<f64, String> {
         _ => Err("a speed is a positive number of metres per second".to_string()),
     }
 }
+
+/// `granule calibrate`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = CALIBRATE_HELP)]
+pub struct CalibrateArguments {
+    /// CSV file with one measured impact a row
+    pub data: PathBuf,
+    /// Inertia factor q = I/(m R^2) of the bodies
+    #[arg(long, default_value_t = 0.4)]
+    pub inertia_factor: f64,
+    /// Normal restitution, for data without it
+    #[arg(long)]
+    pub restitution: Option<f64>,
+    /// Probability with which the intervals hold the true values
+    #[arg(long, default_value_t = 0.95)]
+    pub confidence: f64,
+}
+
+const CALIBRATE_HELP: &str = "\
+Columns: psi1 and psi2, the tangential velocities of the contact point before and after over the normal
+speed before, with restitution if it was measured; or normal_speed, tangential_velocity,
+rebound_normal_speed and rebound_tangential_velocity of the centres, with radius, spin and rebound_spin
+where bodies spin (R times spin adds to the tangential velocity).";
 
 /// `granule run`.
 #[derive(Debug, clap::Args)]

@@ -34,6 +34,7 @@
 //! This crate links every law that granule ships. A program that wants its own laws too depends on their crates and
 //! names each once: `use my_law as _;`.
 
+mod calibrate;
 mod directory;
 mod law_check;
 mod load;
@@ -41,7 +42,9 @@ mod progress;
 mod record;
 mod run;
 
+pub use calibrate::{CalibrateError, calibrate};
 pub use directory::{DirectoryError, default_directory};
+pub use granule_calibration as calibration;
 pub use granule_plan::explain;
 pub use granule_trade as trade;
 pub use law_check::{Figures, LawCheck, law_check};
