@@ -1,8 +1,11 @@
 //! The figures of Luding 1998.
 
 mod bounce;
+mod column;
 mod damped;
+mod hysteretic;
 mod oblique;
+mod scenes;
 
 use crate::{Chapter, Error, Figure};
 
@@ -18,9 +21,12 @@ pub const CHAPTER: Chapter = Chapter {
 };
 
 fn figures() -> Result<Vec<Figure>, Error> {
-    let mut figures = Vec::new();
-    figures.push(bounce::figure()?);
+    let mut figures = vec![bounce::figure()?];
+    figures.extend(scenes::figures()?);
     figures.extend(damped::figures()?);
     figures.extend(oblique::figures()?);
+    figures.push(hysteretic::figure()?);
+    figures.sort_by_key(|figure| figure.name);
+    figures.extend(column::figures()?);
     Ok(figures)
 }

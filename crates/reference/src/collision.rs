@@ -186,21 +186,16 @@ impl Collision {
     /// A number is not allowed, the bodies do not approach, or the contact does not end.
     pub fn run(&self, composition: &Composition) -> Result<Outcome, ReferenceError> {
         let pair = Pair::new(self, composition)?;
-        let contact =
-            Contact { composition, reduced_mass: self.reduced_mass(), reduced_radius: self.reduced_radius() };
+        let [mass, radius] = [self.reduced_mass(), self.reduced_radius()];
+        let contact = Contact::new(composition, mass, radius)?;
         let [i, j] = self.bodies;
         let relative = add(i.velocity, -1.0, j.velocity);
         let mut start = relative.to_vec();
         start.extend(i.spin);
         start.extend(j.spin);
         let speed = pair.speed;
-        let scale = time_scale(
-            composition,
-            contact.reduced_mass,
-            contact.reduced_radius,
-            -dot(relative, self.normal),
-        );
-        let unit = (scale, 0.5 * contact.reduced_mass * speed * speed, speed);
+        let scale = time_scale(composition, mass, radius, -dot(relative, self.normal));
+        let unit = (scale, 0.5 * mass * speed * speed, speed);
         let end = integrate(&pair, &contact, &start, FINE, unit)?;
         let coarse = integrate(&pair, &contact, &start, COARSE, unit)?;
         let mut difference: f64 = 0.0;

@@ -1,9 +1,9 @@
 //! One contact under the stages of a composition.
 
-use granule_law_api::{Columns, ContactChunk, EnergyColumns};
-use granule_plan::Composition;
+use granule_law_api::{Columns, ContactChunk, EnergyColumns, PairContext, Slot, Stage, VelocityRule};
+use granule_plan::{Composition, StagePlan};
 
-use crate::Vector;
+use crate::{ReferenceError, Vector};
 
 /// What the laws see of a contact.
 #[derive(Clone, Copy, Debug)]
@@ -38,20 +38,38 @@ pub(crate) struct Response {
 /// Stages with the constants of the pair.
 pub(crate) struct Contact<'a> {
     pub composition: &'a Composition,
-    /// Reduced mass \[kg\].
-    pub reduced_mass: f64,
-    /// Reduced radius \[m\].
-    pub reduced_radius: f64,
+    stages: Vec<Box<dyn Stage<f64>>>,
+    reduced_mass: f64,
+    reduced_radius: f64,
 }
 
-impl Contact<'_> {
+impl<'a> Contact<'a> {
+    /// Compiles the laws for substeps that give them the velocity with which the bodies move through the substep. In the
+    /// limit of no length that is the same as any other rule, but only so a spring that slides is left at its limit.
+    pub fn new(
+        composition: &'a Composition,
+        reduced_mass: f64,
+        reduced_radius: f64,
+    ) -> Result<Self, ReferenceError> {
+        let mut context = composition.context;
+        context.conventions.velocity = VelocityRule::HalfStep;
+        context.wanted = composition.reads;
+        let compile = |stage: &StagePlan| {
+            let normal = context.normal.filter(|_| stage.slot != Slot::Normal);
+            (stage.law.compile_f64)(&stage.params, &PairContext { normal, ..context })
+                .map_err(|error| ReferenceError::Problem(format!("{}: {error}", stage.law.info.name)))
+        };
+        let stages = composition.stages.iter().map(compile).collect::<Result<_, _>>()?;
+        Ok(Self { composition, stages, reduced_mass, reduced_radius })
+    }
+
     /// Runs all stages and advances `history` by a step.
     pub fn respond(&self, at: &Kinematics, history: &mut [f64], step: f64) -> Response {
         let mut response = Response::default();
         let (mut stiffness, mut damping) = ([0.0], [0.0]);
         // The last substep may end a little beyond the contact; laws then see its last moment.
         let overlap = [at.overlap.max(f64::MIN_POSITIVE - self.composition.reach)];
-        for stage in &self.composition.stages {
+        for (stage, compiled) in self.composition.stages.iter().zip(&self.stages) {
             let own = &mut history[stage.history_offset..stage.history_offset + stage.history_width];
             let mut columns: Vec<&mut [f64]> = own.chunks_mut(1).collect();
             let (mut elastic, mut viscous, mut friction) = ([0.0], [0.0], [0.0]);
@@ -83,7 +101,7 @@ impl Contact<'_> {
                     friction: &mut friction,
                 }),
             };
-            stage.double.run(&mut chunk);
+            compiled.run(&mut chunk);
             response.viscous += viscous[0];
             response.friction += friction[0];
         }

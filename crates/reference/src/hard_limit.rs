@@ -60,8 +60,7 @@ impl HardLimit {
         {
             return Err(ReferenceError::Problem(format!("a number of the impact is not allowed: {self:?}")));
         }
-        let contact =
-            Contact { composition, reduced_mass: self.reduced_mass, reduced_radius: self.reduced_radius };
+        let contact = Contact::new(composition, self.reduced_mass, self.reduced_radius)?;
         let start = [self.normal_speed, self.tangential_speed, 0.0, 0.0];
         let speed = f64::hypot(self.normal_speed, self.tangential_speed);
         let unit = (

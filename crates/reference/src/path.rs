@@ -8,10 +8,12 @@ use crate::contact::{Contact, Kinematics, Response};
 /// More changes of state than these are chatter.
 pub(crate) const MOST_EVENTS: usize = 10_000;
 /// More steps than these are taken for no contact: at most some hundred are needed.
-const MOST_STEPS: usize = 1_000_000;
+const MOST_STEPS: usize = 200_000;
 
 /// Part of the contact's duration in which it is asked whether it slides: long against the error of its spring.
 const PROBE: f64 = 1e-7;
+/// Part of the mean force of an impact below which there is none.
+const FORCE: f64 = 1e-10;
 /// Part of the impact speed below which slip is rest.
 const REST: f64 = 1e-6;
 
@@ -95,6 +97,8 @@ struct Path<'a, M> {
     speed: f64,
     /// A time in the order of the contact's duration \[s\].
     scale: f64,
+    /// A force in the order of the contact's \[N\].
+    force: f64,
 }
 
 struct Trial {
@@ -130,7 +134,8 @@ pub(crate) fn integrate<M: Mechanics>(
         }
     }
     groups.push((state.len() - 2..state.len(), energy));
-    let mut path = Path { mechanics, contact, accuracy, groups, speed, scale };
+    let mut path =
+        Path { mechanics, contact, accuracy, groups, speed, scale, force: 2.0 * energy / (speed * scale) };
     path.learn(&state);
     path.run(state)
 }
@@ -138,7 +143,7 @@ pub(crate) fn integrate<M: Mechanics>(
 impl<M: Mechanics> Path<'_, M> {
     fn run(&mut self, mut state: Vec<f64>) -> Result<End, ReferenceError> {
         let scale = self.scale;
-        let (shortest, latest) = (1e-12 * scale, 1e4 * scale);
+        let (shortest, latest) = (1e-9 * scale, 1e4 * scale);
         let mut time = 1e-9 * scale;
         let first = self.extrapolate(&state, time);
         let mut flags = first.flags;
@@ -147,6 +152,7 @@ impl<M: Mechanics> Path<'_, M> {
         let (mut events, mut samples) = (Vec::new(), vec![sample(time, &first.at, &first.response)]);
         let mut largest: f64 = first.at.overlap;
         for _ in 0..MOST_STEPS {
+            step = step.max(shortest);
             let mut trial = self.extrapolate(&state, step);
             if trial.state.iter().any(|value| !value.is_finite()) {
                 return Err(ReferenceError::NotFinite(time));
@@ -158,10 +164,11 @@ impl<M: Mechanics> Path<'_, M> {
                 continue;
             }
             let mut taken = step;
-            step *= factor.max(0.2).min(4.0);
+            // A kink was crossed in the shortest step; beyond it the path is smooth again.
+            step *= if trial.error > 1.0 { 4.0 } else { factor.max(0.2).min(4.0) };
             if trial.flags != flags {
                 (trial, taken) = self.locate(&state, flags, trial, taken, time + scale);
-                step = (1e-2 * taken).max(shortest);
+                step = 1e-2 * taken;
             }
             time += taken;
             state = trial.state;
@@ -299,7 +306,7 @@ impl<M: Mechanics> Path<'_, M> {
         let force = crate::length(response.tangential);
         Flags {
             slides: response.friction > REST * force * self.speed,
-            pushes: response.normal > 0.0,
+            pushes: response.normal > FORCE * self.force,
             separates: at.normal_velocity <= 0.0,
             ended: at.overlap <= -self.contact.composition.reach,
         }

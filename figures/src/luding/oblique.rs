@@ -145,7 +145,7 @@ fn impact_line() -> Result<Figure, Error> {
     })
 }
 
-fn tangential_laws() -> Result<Figure, Error> {
+pub(super) fn tangential_laws() -> Result<Figure, Error> {
     const FRICTION: f64 = 0.3;
     let elastic = "normal: LinearSpringDashpot(contact_duration: 20e-6, restitution: 1)";
     let mass = 4.0 / 3.0 * std::f64::consts::PI * 1e-6;
