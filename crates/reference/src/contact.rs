@@ -72,7 +72,7 @@ impl<'a> Contact<'a> {
         for (stage, compiled) in self.composition.stages.iter().zip(&self.stages) {
             let own = &mut history[stage.history_offset..stage.history_offset + stage.history_width];
             let mut columns: Vec<&mut [f64]> = own.chunks_mut(1).collect();
-            let (mut elastic, mut viscous, mut friction) = ([0.0], [0.0], [0.0]);
+            let (mut elastic, mut viscous, mut friction, mut slipped) = ([0.0], [0.0], [0.0], [0.0]);
             let [nx, ny, nz] = &at.normal;
             let [vx, vy, vz] = &at.tangential_velocity;
             let [sx, sy, sz] = &at.relative_spin;
@@ -99,11 +99,13 @@ impl<'a> Contact<'a> {
                     elastic: &mut elastic,
                     viscous: &mut viscous,
                     friction: &mut friction,
+                    slipped: &mut slipped,
                 }),
             };
             compiled.run(&mut chunk);
             response.viscous += viscous[0];
-            response.friction += friction[0];
+            let cut = if step > 0.0 { slipped[0] / step } else { 0.0 };
+            response.friction += friction[0] + cut;
         }
         response
     }
