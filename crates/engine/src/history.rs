@@ -23,10 +23,6 @@ pub(crate) struct PairHistory {
 }
 
 impl PairHistory {
-    pub fn new(width: usize) -> Self {
-        Self { width, ..Self::default() }
-    }
-
     /// Empty history for `pairs` pairs. No arrays exist if no law remembers anything.
     pub fn resize(&mut self, pairs: usize) {
         if self.width > 0 {
@@ -155,7 +151,7 @@ pub(crate) fn swap(composition: &Composition, values: &mut [f64]) {
     }
 }
 
-/// Histories of all touching pairs, looked up by the places that their bodies had when the old lists were made.
+/// Histories of the touching pairs of a tile, looked up by the places that their bodies had.
 #[derive(Debug, Default)]
 pub(crate) struct Carried {
     start: Vec<u32>,
@@ -165,30 +161,37 @@ pub(crate) struct Carried {
 }
 
 impl Carried {
-    /// Collects `(place of i, place of j or wall, history)` items; `bodies` is the number of bodies.
+    /// Collects `(place of i within the tile, place of j or wall, history)` items; `bodies` is the number of bodies.
     pub fn collect<'a>(
+        &mut self,
         bodies: usize,
         width: usize,
         items: impl Iterator<Item = (u32, u32, &'a [f64])> + Clone,
-    ) -> Self {
-        let mut start = vec![0u32; bodies + 1];
-        for (i, _, _) in items.clone() {
-            start[i as usize + 1] += 1;
+    ) {
+        let Self { start, partner, values, .. } = self;
+        start.clear();
+        start.resize(bodies + 1, 0);
+        items.clone().for_each(|(i, _, _)| start[i as usize] += 1);
+        let mut total = 0;
+        for entry in start.iter_mut() {
+            total += *entry;
+            *entry = total;
         }
-        for place in 0..bodies {
-            start[place + 1] += start[place];
-        }
-        let total = start[bodies] as usize;
-        let mut partner = vec![0; total];
-        let mut values = vec![0.0; total * width];
-        let mut next = start.clone();
+        partner.resize(total as usize, 0);
+        values.resize(total as usize * width, 0.0);
+        // Counted down, each entry comes to the first item of its body.
         for (i, j, history) in items {
-            let at = next[i as usize] as usize;
-            next[i as usize] += 1;
+            start[i as usize] -= 1;
+            let at = start[i as usize] as usize;
             partner[at] = j;
             values[at * width..(at + 1) * width].copy_from_slice(history);
         }
-        Self { start, partner, values, width }
+        self.width = width;
+    }
+
+    /// Heap bytes.
+    pub fn bytes(&self) -> usize {
+        4 * (self.start.capacity() + self.partner.capacity()) + 8 * self.values.capacity()
     }
 
     /// History stored under `(i, j)`.

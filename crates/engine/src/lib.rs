@@ -17,6 +17,7 @@ mod level;
 mod list;
 mod lists;
 mod prefetch;
+mod rebuild;
 mod scatter;
 mod slices;
 mod space;

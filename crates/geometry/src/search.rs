@@ -2,15 +2,19 @@
 
 mod bins;
 mod brute;
+mod cells;
 mod curve;
 mod grid;
 mod near;
+mod order;
 mod pairs;
+mod sizes;
 #[cfg(test)]
 mod tests;
 
 pub use brute::brute_force_pairs;
 pub use grid::NeighbourGrid;
+pub use order::BodyOrder;
 pub use pairs::PairScratch;
 
 use crate::{Cell, IMAGE_CODES, image_shift};

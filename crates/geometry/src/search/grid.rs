@@ -1,21 +1,26 @@
-//! Counting-sort cell list.
+//! Neighbour search with one grid for each size class.
 
 use super::Images;
-use super::bins::Bins;
-use super::curve::hilbert_index;
+use super::bins::{Bounds, Limit};
+use super::cells::{Cells, Work};
 use super::pairs::PairScratch;
-use crate::Cell;
+use super::sizes::Sizes;
+use crate::{Cell, opposite_image};
 
-/// Finds which bodies are near each other with a grid of cells, in a time proportional to their number.
+/// Bodies that share a cell with a body of a single grid, itself included, in the mean, up to which the single grid is
+/// kept: a dense packing of equal spheres has 2 to 3, and more grids cost as much as looking at some 20 candidates more.
+const FLAT: f64 = 4.0;
+
+/// Finds which bodies are near each other with grids of cells, in a time proportional to their number.
 ///
 /// Bodies are sorted into cells that are as wide as the largest interaction distance, so each body looks at the 27
-/// cells around its own (at half of them, as each pair is met once). With radii of one size class that is nearly the best one can do; with a few very large bodies
-/// among many small ones the cells hold many small bodies and the search slows down (as the third power of the ratio
-/// of radii), while the result stays the same. A grid per size class can replace the single one behind the same two
-/// methods, [`Self::half_pairs`] and [`Self::cell_order`]; callers see no cells.
+/// cells around its own (at half of them, as each pair is met once). Where sizes differ so much that such cells hold
+/// many small bodies, each size class gets a grid of its own: pairs within a class are found in its grid, and a body
+/// looks for larger ones in the grids of the larger classes (Iwai, Hong, Greil, Int. J. Mod. Phys. C 10, 823, 1999;
+/// Ogarko, Luding, Comput. Phys. Commun. 183, 931, 2012).
 ///
-/// The result depends on the arguments alone, never on the history of the grid. Buffers are kept between calls: a
-/// second call with the same sizes allocates nothing.
+/// The result depends on the arguments alone, never on the history of the grid or the number of threads. Buffers are
+/// kept between calls: a second call with the same sizes allocates nothing.
 ///
 /// # Conventions
 /// A row is `[x, y, z, R]` in m. In periodic directions positions should be wrapped into the cell first
@@ -24,22 +29,17 @@ use crate::Cell;
 /// finite has no neighbours.
 #[derive(Debug, Default)]
 pub struct NeighbourGrid {
-    pub(super) bins: Bins,
     pub(super) images: Images,
     pub(super) margin: f64,
-    /// First entry of each cell in `rows` and `body`; one more than there are cells.
-    pub(super) first: Vec<u32>,
-    /// Cell of each body.
-    pub(super) cell_of: Vec<u32>,
-    /// Rows of the bodies in the order of their cells, within a cell in the order given.
-    pub(super) rows: Vec<[f64; 4]>,
-    /// Which body a row is.
-    pub(super) body: Vec<u32>,
-    /// Pairs sorted by their first body: partner and image in one number.
-    pub(super) sorted: Vec<u64>,
-    scratch: PairScratch,
+    /// Grids of the size classes in use, from the largest bodies.
+    pub(super) levels: Vec<Cells>,
+    pub(super) used: usize,
+    /// Class of each body; unused with one class.
+    pub(super) level_of: Vec<u8>,
+    /// Row of each body in the grid of its class.
+    pub(super) row_of: Vec<u32>,
+    sizes: Sizes,
     sample: Vec<f64>,
-    keys: Vec<(u64, u32)>,
 }
 
 impl NeighbourGrid {
@@ -48,46 +48,12 @@ impl NeighbourGrid {
         Self::default()
     }
 
-    /// The order of the bodies along a Hilbert curve through grid cells of width `size` (m).
-    ///
-    /// `out` becomes a permutation: `out[k]` is the body that comes k-th. Bodies of one cell keep their order. The
-    /// cells are made wider where the grid would have more than 2^21 of them in a direction; a `size` that is not
-    /// positive stands for the finest grid.
-    ///
-    /// # Panics
-    /// When there are 2^32 bodies or more.
-    pub fn cell_order(&mut self, positions: &[[f64; 4]], cell: &Cell, size: f64, out: &mut Vec<u32>) {
-        const BITS: u32 = 21;
-        check_number(positions.len());
-        let size = if size > 0.0 { size } else { f64::MIN_POSITIVE };
-        let bins = Bins::new(positions, cell, size, 1 << BITS, usize::MAX, &mut self.sample);
-        let widest = bins.count.iter().copied().max().unwrap_or(1);
-        let bits = usize::BITS - (widest - 1).leading_zeros();
-        // A curve through a cube is torn where the grid is one cell thick; use the curve of the square or the line.
-        let thick: [bool; 3] = bins.count.map(|n| n > 1);
-        let place = |position: &[f64; 4]| {
-            let at = bins.of(position).map(|c| c as u32);
-            match thick {
-                [true, true, true] => hilbert_index(at, bits),
-                [true, true, false] => hilbert_index([at[0], at[1]], bits),
-                [true, false, true] => hilbert_index([at[0], at[2]], bits),
-                [false, true, true] => hilbert_index([at[1], at[2]], bits),
-                // At most one of them is not 0.
-                _ => u64::from(at[0] + at[1] + at[2]),
-            }
-        };
-        self.keys.clear();
-        self.keys.extend(positions.iter().zip(0..).map(|(position, k)| (place(position), k)));
-        self.keys.sort_unstable();
-        out.clear();
-        out.extend(self.keys.iter().map(|&(_, k)| k));
-    }
-
     /// All pairs nearer than the sum of their radii and `margin` (m), as a half list.
     ///
     /// `start` has one entry more than there are bodies; the partners of body i are `partner[start[i]..start[i + 1]]`,
     /// all above i, ascending, each once, and `image` holds the code of each pair: the separation is
-    /// `x_i - x_j - s*L` ([`crate::image_code`], [`Cell::shift_vector`]).
+    /// `x_i - x_j - s*L` ([`crate::image_code`], [`Cell::shift_vector`]). [`Self::build`] and [`Self::pairs_of`] give the
+    /// same pairs without the sorting.
     ///
     /// # Panics
     /// When there are 2^32 bodies or pairs or more.
@@ -100,71 +66,92 @@ impl NeighbourGrid {
         partner: &mut Vec<u32>,
         image: &mut Vec<u8>,
     ) {
-        self.build(position_radius, cell, margin);
-        let mut scratch = std::mem::take(&mut self.scratch);
-        self.find(0, 1, &mut scratch);
-        self.assemble(std::slice::from_ref(&scratch), start, partner, image);
-        self.scratch = scratch;
+        self.build(position_radius, cell, margin, false);
+        let mut pairs: Vec<(u32, u32, u8)> = Vec::new();
+        self.pairs_of(0..position_radius.len(), &mut PairScratch::default(), |i, j, code| {
+            pairs.push(if i < j { (i, j, code) } else { (j, i, opposite_image(code)) });
+        });
+        assert!(u32::try_from(pairs.len()).is_ok(), "fewer than 2^32 pairs");
+        pairs.sort_unstable();
+        start.clear();
+        start.extend(
+            (0..=position_radius.len()).map(|i| pairs.partition_point(|p| (p.0 as usize) < i) as u32),
+        );
+        partner.clear();
+        partner.extend(pairs.iter().map(|pair| pair.1));
+        image.clear();
+        image.extend(pairs.iter().map(|pair| pair.2));
     }
 
-    /// The first of the three steps of [`Self::half_pairs`]: sorts the bodies into cells. The others are
-    /// [`Self::find`], whose parts can run on several threads, and [`Self::assemble`].
+    /// Sorts the bodies into cells, on all threads of the current pool if `parallel`; [`Self::pairs_of`] then finds pairs
+    /// nearer than the sum of their radii and `margin` (m).
     ///
     /// # Panics
     /// When there are 2^32 bodies or more.
-    pub fn build(&mut self, position_radius: &[[f64; 4]], cell: &Cell, margin: f64) {
+    pub fn build(&mut self, position_radius: &[[f64; 4]], cell: &Cell, margin: f64, parallel: bool) {
         let n = position_radius.len();
-        check_number(n);
-        let largest = position_radius.iter().fold(0.0, |most: f64, row| most.max(row[3]));
-        let reach = 2.0 * largest + margin;
-        // Wider by far more than the rounding of a cell number, so that a pair within reach never skips a cell.
-        let size = if reach > 0.0 { reach * (1.0 + 1e-6) } else { f64::INFINITY };
-        let most = (2 * n + 64).min(u32::MAX as usize);
-        let bins = Bins::new(position_radius, cell, size, most, most, &mut self.sample);
-        (self.bins, self.images, self.margin) = (bins, Images::new(cell), margin);
+        assert!(u32::try_from(n).is_ok(), "fewer than 2^32 bodies");
+        (self.images, self.margin) = (Images::new(cell), margin);
+        self.row_of.resize(n, 0);
+        let all = (2 * n + 64).min(u32::MAX as usize);
+        let mut work = Work {
+            bounds: Bounds::new(position_radius, cell, parallel),
+            dense: Limit { each: all, all },
+            sample: &mut self.sample,
+            parallel,
+        };
+        self.sizes.divide(position_radius, margin);
+        if self.levels.is_empty() {
+            self.levels.push(Cells::default());
+        }
+        let size = width(position_radius.iter().fold(0.0, |most: f64, row| most.max(row[3])), margin);
+        self.used = 1;
+        if !self.sizes.alike() {
+            let crowding = self.levels[0].crowding(position_radius, cell, size, &mut self.row_of, &mut work);
+            if crowding > FLAT {
+                self.used = self.sizes.groups;
+            }
+        }
+        if self.used == 1 {
+            self.levels[0].build(position_radius, true, cell, size, &mut self.row_of, &mut work);
+            return;
+        }
+        self.levels.resize_with(self.used.max(self.levels.len()), Cells::default);
+        self.levels.iter_mut().for_each(|level| {
+            level.members.clear();
+            level.largest = 0.0;
+        });
+        self.level_of.clear();
+        for (row, k) in position_radius.iter().zip(0..) {
+            let group = self.sizes.of(2.0 * row[3] + margin);
+            self.level_of.push(group as u8);
+            let level = &mut self.levels[group];
+            level.members.push(k);
+            level.largest = level.largest.max(row[3]);
+        }
+        for level in &mut self.levels[..self.used] {
+            let size = width(level.largest, margin);
+            level.build(position_radius, false, cell, size, &mut self.row_of, &mut work);
+        }
+    }
 
-        self.first.clear();
-        self.first.resize(bins.cells() + 1, 0);
-        self.cell_of.clear();
-        for row in position_radius {
-            let index = bins.index(bins.of(row));
-            self.cell_of.push(index as u32);
-            self.first[index] += 1;
-        }
-        let mut sum = 0;
-        for first in &mut self.first {
-            sum += *first;
-            *first = sum;
-        }
-        // Filled from the end, each cell's counter comes down to its first entry and the given order is kept.
-        self.rows.resize(n, [0.0; 4]);
-        self.body.resize(n, 0);
-        for k in (0..n).rev() {
-            let first = &mut self.first[self.cell_of[k] as usize];
-            *first -= 1;
-            self.rows[*first as usize] = position_radius[k];
-            self.body[*first as usize] = k as u32;
-        }
+    /// Number of grids in use: 1 unless the sizes differ much.
+    pub fn levels(&self) -> usize {
+        self.used
+    }
+
+    /// Heap bytes of the grids.
+    pub fn bytes(&self) -> usize {
+        self.levels.iter().map(Cells::bytes).sum::<usize>()
+            + 4 * self.row_of.capacity()
+            + self.level_of.capacity()
+            + 8 * self.sample.capacity()
     }
 }
 
-#[cfg(test)]
-impl NeighbourGrid {
-    /// Memory held by the buffers, in entries.
-    pub(super) fn capacities(&self) -> [usize; 8] {
-        [
-            self.first.capacity(),
-            self.cell_of.capacity(),
-            self.rows.capacity(),
-            self.body.capacity(),
-            self.sorted.capacity(),
-            self.scratch.capacity(),
-            self.sample.capacity(),
-            self.keys.capacity(),
-        ]
-    }
-}
-
-fn check_number(bodies: usize) {
-    assert!(u32::try_from(bodies).is_ok(), "fewer than 2^32 bodies");
+/// Width of the cells for bodies up to a radius: more than their largest distance by far more than the rounding of a
+/// cell number, so that a pair within reach never skips a cell.
+fn width(largest: f64, margin: f64) -> f64 {
+    let reach = 2.0 * largest + margin;
+    if reach > 0.0 { reach * (1.0 + 1e-6) } else { f64::INFINITY }
 }

@@ -1,5 +1,7 @@
 //! The cells next to a cell along one direction.
 
+use super::bins::Span;
+
 /// A cell and its neighbours along one direction, each once.
 pub(super) struct Near {
     number: usize,
@@ -53,13 +55,38 @@ impl Near {
                 near.pieces = 2;
             }
         }
-        for run in &near.runs[..near.pieces] {
+        near.list();
+        near
+    }
+
+    /// The cells of a span of `count`; around a period of three cells or more.
+    #[inline]
+    pub(super) fn within(span: Span, count: usize) -> Self {
+        let (at, last) = (span.at, count - 1);
+        let direct = Run {
+            first: at - usize::from(span.below && at > 0),
+            last: at + usize::from(span.above && at < last),
+            code: 1,
+        };
+        let mut near = Self { number: 0, cells: [Step::default(); 3], pieces: 1, runs: [direct; 2] };
+        if span.below && at == 0 {
+            near.runs[1] = Run { first: last, last, code: 0 };
+            near.pieces = 2;
+        } else if span.above && at == last {
+            near.runs[1] = Run { first: 0, last: 0, code: 2 };
+            near.pieces = 2;
+        }
+        near.list();
+        near
+    }
+
+    fn list(&mut self) {
+        for run in &self.runs[..self.pieces] {
             for cell in run.first..=run.last {
-                near.cells[near.number] = Step { cell, code: run.code };
-                near.number += 1;
+                self.cells[self.number] = Step { cell, code: run.code };
+                self.number += 1;
             }
         }
-        near
     }
 
     /// The cells one by one.

@@ -15,6 +15,14 @@ fn by_grid(grid: &mut NeighbourGrid, bodies: &[[f64; 4]], cell: &Cell, margin: f
     lists
 }
 
+fn order_of(bodies: &[[f64; 4]], cell: &Cell, size: f64) -> Vec<u32> {
+    let (mut order, mut again) = (vec![7], Vec::new());
+    BodyOrder::new().sort(bodies, cell, size, false, &mut order);
+    BodyOrder::new().sort(bodies, cell, size, true, &mut again);
+    assert_eq!(order, again);
+    order
+}
+
 fn by_force(bodies: &[[f64; 4]], cell: &Cell, margin: f64) -> Lists {
     let mut lists = Lists::default();
     brute_force_pairs(bodies, cell, margin, &mut lists.start, &mut lists.partner, &mut lists.image);
@@ -49,11 +57,8 @@ fn none_and_one() {
     assert_eq!(by_grid(&mut grid, &[], &cell, 0.1), Lists { start: vec![0], ..Lists::default() });
     let one = [[0.5, 0.5, 0.5, 0.1]];
     assert_eq!(by_grid(&mut grid, &one, &cell, 0.1), Lists { start: vec![0, 0], ..Lists::default() });
-    let mut order = vec![7];
-    grid.cell_order(&[], &cell, 0.1, &mut order);
-    assert!(order.is_empty());
-    grid.cell_order(&one, &cell, 0.1, &mut order);
-    assert_eq!(order, [0]);
+    assert!(order_of(&[], &cell, 0.1).is_empty());
+    assert_eq!(order_of(&one, &cell, 0.1), [0]);
 }
 
 #[test]
@@ -112,8 +117,7 @@ fn outliers_and_numbers_out_of_range() {
         let cell = Cell::new([0.0; 3], [1.0; 3], periodic).unwrap();
         let mut grid = NeighbourGrid::new();
         assert_eq!(by_grid(&mut grid, &bodies, &cell, 0.01), by_force(&bodies, &cell, 0.01));
-        let mut order = Vec::new();
-        grid.cell_order(&bodies, &cell, 0.1, &mut order);
+        let mut order = order_of(&bodies, &cell, 0.1);
         order.sort_unstable();
         assert!(order.iter().copied().eq(0..3000));
     }
@@ -123,50 +127,93 @@ fn outliers_and_numbers_out_of_range() {
 fn an_outlier_does_not_make_the_cells_coarse() {
     let mut bodies = bodies_in(20_000, [0.0; 3], [1.0; 3], [0.01, 0.01], 9);
     bodies[0] = [1e9, 1e9, -1e9, 0.01];
-    let mut sample = Vec::new();
-    let most = 2 * bodies.len();
-    let bins = bins::Bins::new(&bodies, &Cell::unbounded(), 0.04, most, most, &mut sample);
+    let limit = bins::Limit { each: 2 * bodies.len(), all: 2 * bodies.len() };
+    let cell = Cell::unbounded();
+    let bounds = bins::Bounds::new(&bodies, &cell, false);
+    let bins = bins::Bins::new(&bounds, &cell, 0.04, limit, &mut Vec::new());
     // 25 cells across the bodies, and at most a quarter and a cell more at each side.
     assert!(bins.count.iter().all(|&n| (25..=42).contains(&n)), "{:?}", bins.count);
 }
 
 #[test]
-fn parts_in_any_order_give_the_same_list() {
-    let bodies = bodies_in(500, [0.0; 3], [1.0; 3], [0.02, 0.06], 3);
-    // A period of one cell, of many cells, and bodies outside the period take different paths.
-    for (hi, margin) in [([1.0; 3], 0.01), ([0.8, 1.0, 1.0], 0.01), ([1.0; 3], 0.3)] {
-        let cell = Cell::new([0.0; 3], hi, [true, true, false]).unwrap();
-        let mut grid = NeighbourGrid::new();
-        let whole = by_grid(&mut grid, &bodies, &cell, margin);
-        assert!(!whole.partner.is_empty());
-        for parts in [2, 7, 600] {
-            let mut found: Vec<PairScratch> = (0..parts).map(|_| PairScratch::default()).collect();
-            grid.build(&bodies, &cell, margin);
-            for (part, scratch) in found.iter_mut().enumerate() {
-                grid.find(part, parts, scratch);
+fn a_second_call_allocates_nothing() {
+    let cell = Cell::new([0.0; 3], [1.0; 3], [true, false, true]).unwrap();
+    let mut mixed = bodies_in(3000, [0.0; 3], [1.0; 3], [0.004, 0.005], 3);
+    mixed[..10].iter_mut().for_each(|body| body[3] = 0.1);
+    for (bodies, levels) in [(bodies_in(2000, [0.0; 3], [1.0; 3], [0.02, 0.03], 3), 1), (mixed, 2)] {
+        let (mut grid, mut order, mut scratch) =
+            (NeighbourGrid::new(), BodyOrder::new(), PairScratch::default());
+        let mut places = Vec::new();
+        let mut memory = Vec::new();
+        for _ in 0..3 {
+            grid.build(&bodies, &cell, 0.01, false);
+            grid.pairs_of(0..bodies.len(), &mut scratch, |_, _, _| {});
+            order.sort(&bodies, &cell, 0.05, false, &mut places);
+            memory.push((grid.bytes(), order.bytes(), scratch.bytes(), places.as_ptr()));
+        }
+        assert_eq!(grid.levels(), levels);
+        assert_eq!(memory[1], memory[2]);
+        assert_eq!(memory[0], memory[1]);
+    }
+}
+
+/// Pairs of all bodies, found range by range, with the lower body first.
+fn pairs(grid: &NeighbourGrid, bodies: usize, ranges: usize) -> Vec<(u32, u32, u8)> {
+    let mut found = Vec::new();
+    let ends: Vec<usize> = (0..=ranges).map(|k| bodies * k / ranges).collect();
+    for range in ends.windows(2) {
+        grid.pairs_of(range[0]..range[1], &mut PairScratch::default(), |i, j, code| {
+            assert!(range[0] <= i as usize && (i as usize) < range[1]);
+            found.push((i, j, code));
+        });
+    }
+    found
+}
+
+#[test]
+fn ranges_and_threads_change_nothing() {
+    for radii in [[0.02, 0.06], [0.001, 0.06]] {
+        let mut bodies = bodies_in(4000, [0.0; 3], [1.0; 3], [radii[0]; 2], 3);
+        bodies[..40].iter_mut().for_each(|body| body[3] = radii[1]);
+        for (hi, margin) in [([1.0; 3], 0.01), ([0.8, 1.0, 1.0], 0.01), ([1.0; 3], 0.3)] {
+            let cell = Cell::new([0.0; 3], hi, [true, true, false]).unwrap();
+            let mut grid = NeighbourGrid::new();
+            grid.build(&bodies, &cell, margin, false);
+            let whole = pairs(&grid, bodies.len(), 1);
+            assert!(!whole.is_empty());
+            for ranges in [2, 7, 600] {
+                assert_eq!(pairs(&grid, bodies.len(), ranges), whole);
             }
-            found.reverse();
-            let mut lists = Lists::default();
-            grid.assemble(&found, &mut lists.start, &mut lists.partner, &mut lists.image);
-            assert_eq!(lists, whole);
+            for threads in [1, 3, 8] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| grid.build(&bodies, &cell, margin, true));
+                assert_eq!(pairs(&grid, bodies.len(), 5), whole);
+            }
         }
     }
 }
 
 #[test]
-fn a_second_call_allocates_nothing() {
-    let cell = Cell::new([0.0; 3], [1.0; 3], [true, false, true]).unwrap();
-    let bodies = bodies_in(2000, [0.0; 3], [1.0; 3], [0.02, 0.03], 3);
-    let mut grid = NeighbourGrid::new();
-    let (mut lists, mut order) = (Lists::default(), Vec::new());
-    let mut memory = Vec::new();
-    for _ in 0..3 {
-        grid.half_pairs(&bodies, &cell, 0.01, &mut lists.start, &mut lists.partner, &mut lists.image);
-        grid.cell_order(&bodies, &cell, 0.05, &mut order);
-        memory.push((grid.capacities(), lists.start.as_ptr(), lists.partner.as_ptr(), order.as_ptr()));
+fn heaps_in_a_huge_empty_volume() {
+    // Two dense heaps and some bodies between them, in a volume of 10^15 cells.
+    let mut bodies = bodies_in(4000, [0.0; 3], [1.0; 3], [0.03, 0.04], 5);
+    for (k, body) in bodies.iter_mut().enumerate() {
+        let far = [0.0, 1.0, 0.37 + 1e-4 * k as f64][if k % 50 == 0 { 2 } else { k % 2 }];
+        (body[0], body[1], body[2]) = (body[0] + 1e4 * far, body[1] - 1e4 * far, body[2] + 1e4 * far);
     }
-    assert_eq!(memory[1], memory[2]);
-    assert_eq!(memory[0], memory[1]);
+    for radius in [0.04, 0.5] {
+        bodies[7][3] = radius;
+        let cell = Cell::unbounded();
+        let mut grid = NeighbourGrid::new();
+        assert_eq!(by_grid(&mut grid, &bodies, &cell, 0.01), by_force(&bodies, &cell, 0.01));
+        assert!(grid.bytes() < 250 * bodies.len(), "{} bytes", grid.bytes());
+        // No body looks at a whole heap.
+        let looked: f64 = grid.levels[..grid.used]
+            .iter()
+            .flat_map(|level| level.first.windows(2).map(|ends| f64::from(ends[1] - ends[0]).powi(2)))
+            .sum();
+        assert!(looked < 6.0 * bodies.len() as f64, "{looked}");
+    }
 }
 
 #[test]
@@ -177,8 +224,7 @@ fn the_order_follows_a_curve() {
         .map(|k| [f64::from(k % 8) + 0.5, f64::from(k / 8 % 8) + 0.5, f64::from(k / 64) + 0.5, 0.5])
         .collect();
     let cell = Cell::new([0.0; 3], [8.0; 3], [true; 3]).unwrap();
-    let mut order = Vec::new();
-    NeighbourGrid::new().cell_order(&bodies, &cell, 1.0, &mut order);
+    let order = order_of(&bodies, &cell, 1.0);
     for pair in order.windows(2) {
         let (a, b) = (bodies[pair[0] as usize], bodies[pair[1] as usize]);
         let step: f64 = (0..3).map(|k| (a[k] - b[k]).abs()).sum();
@@ -189,7 +235,7 @@ fn the_order_follows_a_curve() {
         .map(|k| k * 37 % 64)
         .map(|k| [f64::from(k % 8) + 0.5, 2.0, f64::from(k / 8) + 0.5, 0.5])
         .collect();
-    NeighbourGrid::new().cell_order(&layer, &Cell::unbounded(), 1.0, &mut order);
+    let order = order_of(&layer, &Cell::unbounded(), 1.0);
     for pair in order.windows(2) {
         let (a, b) = (layer[pair[0] as usize], layer[pair[1] as usize]);
         assert_eq!((a[0] - b[0]).abs() + (a[2] - b[2]).abs(), 1.0);
@@ -199,9 +245,8 @@ fn the_order_follows_a_curve() {
 #[test]
 fn order_takes_any_size() {
     let bodies = bodies_in(100, [0.0; 3], [1.0; 3], [0.1, 0.1], 1);
-    let mut order = Vec::new();
     for size in [0.0, -1.0, f64::NAN, 1e-300, 1e300, f64::INFINITY] {
-        NeighbourGrid::new().cell_order(&bodies, &Cell::unbounded(), size, &mut order);
+        let mut order = order_of(&bodies, &Cell::unbounded(), size);
         let ties_by_index = order.iter().copied().eq(0..100);
         assert_eq!(ties_by_index, size >= 1e300, "{size}");
         order.sort_unstable();
@@ -277,6 +322,64 @@ proptest! {
         // Scratch left by another problem changes nothing.
         let others = bodies_in(300, [0.0; 3], [30.0; 3], [0.5, 1.0], seed ^ 1);
         by_grid(&mut grid, &others, &Cell::unbounded(), 0.1);
+        prop_assert_eq!(by_grid(&mut grid, &bodies, &cell, margin), expected);
+    }
+
+    #[test]
+    fn size_classes_find_what_brute_force_finds(
+        n in 20usize..400,
+        // Exponent of the number of bodies above a radius, and the largest ratio of radii.
+        (slope, ratio) in (0.0f64..3.0, 1.0f64..1000.0),
+        lengths in prop::array::uniform3(2.0f64..8.0),
+        periodic: [bool; 3],
+        flat: bool,
+        margin in prop_oneof![Just(0.0), 1e-4f64..0.3],
+        offset in prop_oneof![Just(0.0), Just(1e9), -1e3f64..1e3],
+        // Where the bodies are: everywhere, in one corner, or on the corners of cells.
+        (heap, snap, far) in (any::<bool>(), any::<bool>(), any::<bool>()),
+        force_levels: bool,
+        seed: u64,
+    ) {
+        let reach = 2.0 + margin;
+        let lo = [offset, -offset, 0.5 * offset];
+        let mut hi: [f64; 3] = std::array::from_fn(|k| lo[k] + lengths[k] * reach * (1.0 + 1e-6));
+        let mut periodic = periodic;
+        if flat {
+            (periodic[2], hi[2]) = (false, lo[2]);
+        }
+        let cell = Cell::new(
+            std::array::from_fn(|k| if periodic[k] { lo[k] } else { f64::NEG_INFINITY }),
+            std::array::from_fn(|k| if periodic[k] { hi[k] } else { f64::INFINITY }),
+            periodic,
+        ).unwrap();
+        let mut bodies = bodies_in(n, lo, hi, [0.0, 1.0], seed);
+        for (k, body) in bodies.iter_mut().enumerate() {
+            // A power law between 1/ratio and 1.
+            let least = ratio.powf(-slope.max(0.1));
+            body[3] = (least + body[3] * (1.0 - least)).powf(1.0 / slope.max(0.1));
+            if heap && k % 3 != 0 {
+                for axis in 0..3 {
+                    body[axis] = lo[axis] + (body[axis] - lo[axis]) * 0.05;
+                }
+            }
+            if snap {
+                for axis in 0..3 {
+                    body[axis] = lo[axis] + ((body[axis] - lo[axis]) * 4.0).floor() / 4.0;
+                }
+            }
+            if far && k % 40 == 0 && !periodic[0] {
+                body[0] += 1e5 * (1.0 + (k % 80) as f64);
+            }
+            let (x, _) = cell.wrap([body[0], body[1], body[2]]);
+            body[..3].copy_from_slice(&x);
+        }
+        if force_levels {
+            // One large body among many small ones.
+            bodies.iter_mut().skip(1).for_each(|body| body[3] *= 0.01);
+            bodies[0][3] = 1.0;
+        }
+        let expected = by_force(&bodies, &cell, margin);
+        let mut grid = NeighbourGrid::new();
         prop_assert_eq!(by_grid(&mut grid, &bodies, &cell, margin), expected);
     }
 
