@@ -386,8 +386,7 @@ impl Engine {
             return Ok(());
         }
         let bad = |vector: [f64; 3]| vector.iter().any(|component| !component.is_finite());
-        let culprit = self.bodies.order_by_id().into_iter().find_map(|place| {
-            let place = place as usize;
+        let culprits = (0..self.bodies.len()).filter_map(|place| {
             let columns = [
                 ("force", self.bodies.force_of(place)),
                 ("torque", self.bodies.torque_of(place)),
@@ -397,6 +396,7 @@ impl Engine {
             ];
             columns.into_iter().find(|(_, vector)| bad(*vector)).map(|(name, _)| (place, name))
         });
+        let culprit = culprits.min_by_key(|(place, _)| self.bodies.id[*place]);
         match culprit {
             Some((place, quantity)) => Err(EngineError::NotFinite {
                 id: self.bodies.id[place],

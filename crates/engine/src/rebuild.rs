@@ -26,7 +26,6 @@ pub(crate) struct Rebuild {
     sorter: BodyOrder,
     /// Where the bodies were when the old lists were made, by their place now; empty if they have not been moved.
     order: Vec<u32>,
-    rows: Vec<Row>,
     /// Bound of what any body has moved since the bodies were sorted \[m\].
     travelled: f64,
     /// Composition of two materials, by `i * materials + j`.
@@ -67,7 +66,6 @@ impl Rebuild {
             grid: NeighbourGrid::new(),
             sorter: BodyOrder::new(),
             order: Vec::new(),
-            rows: Vec::new(),
             travelled: f64::INFINITY,
             pair_class: pairs.map(|(i, j)| class(i, Partner::Body(j))).collect(),
             wall_class: with_walls.map(|(i, wall)| class(i, Partner::Wall(wall))).collect(),
@@ -136,7 +134,7 @@ impl Rebuild {
         if self.travelled.is_nan() || self.travelled > size {
             let positions = Row::as_arrays(&bodies.position);
             self.sorter.sort(positions, &plan.cell, size, parallel, &mut self.order);
-            bodies.permute(&self.order, &mut self.rows);
+            bodies.permute(&self.order);
             self.travelled = 0.0;
         }
     }
@@ -295,7 +293,6 @@ impl Rebuild {
         self.grid.bytes()
             + self.sorter.bytes()
             + 4 * self.order.capacity()
-            + self.rows.capacity() * size_of::<Row>()
             + self.carried.iter().flatten().map(Carried::bytes).sum::<usize>()
     }
 }

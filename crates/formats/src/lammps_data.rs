@@ -23,6 +23,7 @@
 //! The first line is a title. Diameter and density are what both engines read; they compute the mass as
 //! `4 π / 3 R³ ρ`, and so does [`Atom::mass`], with the same rounding.
 
+mod pieces;
 mod read;
 mod write;
 

@@ -15,7 +15,7 @@ use crate::build::Builder;
 use crate::model::WallPlan;
 use crate::model::{BodyTable, Dimensions};
 
-pub(crate) use occupancy::Occupancy;
+use occupancy::Occupancy;
 
 /// Most bodies that lattices and fills may make.
 const MOST: usize = 10_000_000;
@@ -85,7 +85,7 @@ pub(crate) fn drafts(builder: &mut Builder<'_>, room: Option<&Cell>, walls: &[Wa
                 let more = room.map(|cell| fill::bodies(builder, fill, block, cell, walls, &drafts));
                 drafts.extend(more.unwrap_or_default());
             }
-            BodyBlock::Import(import) => drafts.extend(import::bodies(builder, import, block)),
+            BodyBlock::Import(import) => import::bodies(builder, import, block, &mut drafts),
         }
         for draft in &mut drafts[before..] {
             check(builder, draft);

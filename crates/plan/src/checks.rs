@@ -1,10 +1,10 @@
 //! Whether the bodies can be where they are.
 
-use granule_geometry::{Cell, Surface};
+use granule_geometry::{Cell, NeighbourGrid, PairScratch, Surface};
 use granule_scene::BodyBlock;
 use nalgebra::Vector3;
 
-use crate::bodies::{Draft, Occupancy};
+use crate::bodies::Draft;
 use crate::build::Builder;
 use crate::model::WallPlan;
 
@@ -13,6 +13,13 @@ use crate::model::WallPlan;
 const ALLOWANCE: f64 = 0.01;
 /// Problems of one kind that are spelt out before the rest is counted.
 const SHOWN: usize = 3;
+
+/// Bodies that are looked at before it is asked whether enough overlaps are known.
+const PART: usize = 64;
+/// Overlaps that are enough.
+const ENOUGH: usize = 1000;
+/// From so many bodies on, all threads help.
+const MANY: usize = 20_000;
 
 /// Reports problems of one kind, the first few in full.
 struct Report {
@@ -97,27 +104,50 @@ fn behind(builder: &mut Builder<'_>, drafts: &[Draft], walls: &[WallPlan]) {
 }
 
 fn apart(builder: &mut Builder<'_>, drafts: &[Draft], cell: &Cell) {
-    let mut report = Report { count: 0 };
-    let mut taken = Occupancy::around(cell, drafts.iter().map(|draft| (draft.position, draft.radius)));
-    for (at, draft) in drafts.iter().enumerate() {
-        if let Some((other, overlap)) = taken.overlap(draft.position, draft.radius, ALLOWANCE) {
-            let other = &drafts[other as usize];
-            let one_file = draft.imported && other.imported && draft.block == other.block;
-            if !(one_file || draft.frozen && other.frozen) {
-                let message = format!(
-                    "bodies {} and {} overlap by {overlap:.6e} m, {:.1} % of the smaller radius",
-                    other.id,
-                    draft.id,
-                    100.0 * overlap / draft.radius.min(other.radius)
-                );
-                report.add(builder, draft, message, "move them apart, or set `allow_overlap: true`");
-                // A scene full of overlaps would take long to count, and a few say enough.
-                if report.count >= SHOWN {
-                    break;
-                }
+    // Overlaps within one file are the result of another run.
+    let one_file = |a: &Draft, b: &Draft| a.imported && b.imported && a.block == b.block;
+    if drafts.first().is_none_or(|first| drafts.iter().all(|draft| one_file(first, draft))) {
+        return;
+    }
+    let rows: Vec<[f64; 4]> = drafts
+        .iter()
+        .map(|draft| {
+            let [x, y, z] = draft.position;
+            [x, y, z, draft.radius]
+        })
+        .collect();
+    let mut grid = NeighbourGrid::new();
+    grid.build(&rows, cell, 0.0, rows.len() > MANY);
+    let mut found: Vec<(usize, usize, f64)> = Vec::new();
+    let mut scratch = PairScratch::default();
+    for first in (0..rows.len()).step_by(PART) {
+        grid.pairs_of(first..(first + PART).min(rows.len()), &mut scratch, |i, j, _| {
+            let (low, high) = (i.min(j) as usize, i.max(j) as usize);
+            let (a, b) = (&drafts[low], &drafts[high]);
+            let apart: [f64; 3] = std::array::from_fn(|axis| a.position[axis] - b.position[axis]);
+            let distance = Vector3::from(cell.minimum_image(apart).0).norm();
+            let overlap = a.radius + b.radius - distance;
+            if overlap > ALLOWANCE * a.radius.min(b.radius) && !(one_file(a, b) || a.frozen && b.frozen) {
+                found.push((high, low, overlap));
             }
+        });
+        // A scene full of overlaps would take long to count, and a few say enough.
+        if found.len() > ENOUGH {
+            break;
         }
-        taken.insert(draft.position, draft.radius, u32::try_from(at).unwrap_or(u32::MAX));
+    }
+    found.sort_unstable_by_key(|(high, low, _)| (*high, *low));
+    found.dedup_by_key(|(high, ..)| *high);
+    let mut report = Report { count: 0 };
+    for (high, low, overlap) in found.into_iter().take(SHOWN) {
+        let (other, draft) = (&drafts[low], &drafts[high]);
+        let message = format!(
+            "bodies {} and {} overlap by {overlap:.6e} m, {:.1} % of the smaller radius",
+            other.id,
+            draft.id,
+            100.0 * overlap / draft.radius.min(other.radius)
+        );
+        report.add(builder, draft, message, "move them apart, or set `allow_overlap: true`");
     }
 }
 

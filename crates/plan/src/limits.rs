@@ -14,11 +14,21 @@
 //! `(a - b)² <= 2a² + 2b²`, so the largest K is at most that of a single body held by all its neighbours, times two. Held
 //! by neighbours in directions n, a body feels `Σ k_n (n·u)² + k_t (1 - (n·u)²)` along u, `Σ k_t (1 - (n·u)²)/q` about u (as
 //! rotation times radius), and a coupling `k_t |Σ n|/√q` of both. Neighbours at least as large as the smallest body cover
-//! caps of half angle α, sin α = r/(R + r), of a sphere (arcs of a circle) with a density of at most π/√12 (of at most
-//! 1), which bounds their number: 13.5 for equal spheres, 6 for equal discs. As all terms are positive, the sums are
-//! largest when neighbours are everywhere, that is number times mean over all directions (1/3 and 2/3 in space, 1/2 and
-//! 1/2 in the plane). The coupling is largest, at a third of the number, when neighbours are on one side only; but then the
-//! other sums are halved.
+//! caps of half angle α, sin α = r/(R + r). In space the caps lie on a sphere with a density of at most π/√12, which bounds
+//! their number: 13.5 for equal spheres. As all terms are positive, the sums are largest when neighbours are everywhere,
+//! that is number times mean over all directions (1/3 and 2/3). The coupling is largest, at a third of the number, when
+//! neighbours are on one side only; but then the other sums are halved.
+//!
+//! **Packing in the plane.** There the mean over all directions is no bound: neighbours may stand closer around u and leave
+//! gaps across it. With angles θ from u, `Σ (n·u)² = N/2 + Σ cos(2θ)/2`. On either side of the line across u are m
+//! neighbours, each at least 2α from the next. A gap between them that is wider can be closed by moving the chain on one side
+//! of it towards u, which increases the sum as long as a chain of m spans less than half a turn (2mα < π; a longer one has no
+//! positive sum). So the sum is largest for one chain with its middle on u, where it is `sin(2mα)/sin(2α)`, and
+//! `Σ (n·u)² <= N/2 + (g(m) + g(N - m))/2` with `g(m) = max(0, sin(2mα)/sin(2α))`, largest at halves that are as equal as
+//! possible because g is concave. Equality holds for two chains on opposite sides. For equal discs this is 3, as for a
+//! mean over six neighbours; at α = 26° it is 3.516 of six neighbours, where the mean over 180°/26° neighbours is 3.462. The
+//! coupling is at most `k_t sin(mα)/sin(α) <= k_t/sin(α)`, the chain of half a turn, and that at most a third of π/α because
+//! α is at most 30° here.
 
 use std::f64::consts::PI;
 
@@ -179,6 +189,8 @@ pub(crate) struct Neighbours {
     pub covered: f64,
     /// How many there are in the scene.
     pub available: f64,
+    /// Half of the angle at which two of them may follow each other.
+    half_angle: f64,
     dimensions: Dimensions,
 }
 
@@ -191,7 +203,7 @@ impl Neighbours {
             Dimensions::Three => (PI / 12f64.sqrt()) / (0.5 * half_angle).sin().powi(2),
             Dimensions::Two => PI / half_angle,
         };
-        Self { covered, available, dimensions }
+        Self { covered, available, half_angle, dimensions }
     }
 }
 
@@ -203,7 +215,7 @@ pub(crate) fn body_bound(normal: f64, felt: f64, q: f64, mass: f64, around: &Nei
     let (along, about) = match around.dimensions {
         Dimensions::Three => (covered * (normal + 2.0 * tangential) / 3.0, covered * 2.0 * tangential / 3.0),
         // All neighbours lie across the axis of the spin.
-        Dimensions::Two => (covered * (normal + tangential) / 2.0, covered * tangential),
+        Dimensions::Two => (held_in_the_plane(normal, tangential, around.half_angle), covered * tangential),
     };
     let along = along.min(available * normal.max(tangential));
     let about = about.min(available * tangential) / q;
@@ -212,6 +224,21 @@ pub(crate) fn body_bound(normal: f64, felt: f64, q: f64, mass: f64, around: &Nei
     // Few neighbours may all be on one side.
     let one_sided = if available < covered { around_all } else { 0.5 * around_all };
     2.0 * around_all.max(one_sided + coupling) / mass
+}
+
+/// Largest `Σ normal (n·u)² + tangential (1 - (n·u)²)` of neighbours at least `2 half_angle` apart on a circle.
+fn held_in_the_plane(normal: f64, tangential: f64, half_angle: f64) -> f64 {
+    let chain = |m: f64| ((2.0 * m * half_angle).sin() / (2.0 * half_angle).sin()).max(0.0);
+    // A hair more, so that rounding does not lose the last neighbour.
+    let most = (PI / half_angle * (1.0 + 1e-12)).floor();
+    let sum = |number: f64| {
+        let half = (0.5 * number).floor();
+        let uneven = 0.5 * (chain(half) + chain(number - half));
+        0.5 * number * (normal + tangential) + (normal - tangential).abs() * uneven
+    };
+    // One neighbour less costs half of the mean stiffness, and gains less than that unless chains are nearly half a turn
+    // long: the largest sum has at most three neighbours less than there can be.
+    (0..4).map(|less| sum((most - f64::from(less)).max(0.0))).fold(0.0, f64::max)
 }
 
 /// Bodies of one material and of similar mass: a wide distribution is judged in parts.
@@ -257,6 +284,7 @@ fn packing_limit(plan: &Plan) -> f64 {
     let bodies = &plan.bodies;
     let least = bodies.radius.iter().fold(f64::INFINITY, |a: f64, b| a.min(*b));
     let available = (bodies.len() + plan.walls.len()).saturating_sub(1) as f64;
+    let extents = extents(plan);
     let mut limit = f64::INFINITY;
     for class in classes(plan) {
         let mut stiffest = Contact::default();
@@ -267,7 +295,7 @@ fn packing_limit(plan: &Plan) -> f64 {
                 Partner::Body(other) if other == class.material => Some(composition.material),
                 _ => continue,
             };
-            for (mass, radius) in partners(plan, &class, partner, composition) {
+            for (mass, radius) in partners(&extents, &class, partner, composition) {
                 let contact = evaluate(composition, mass, radius);
                 stiffest.stiffness = stiffest.stiffness.max(contact.stiffness);
                 stiffest.damping = stiffest.damping.max(contact.damping);
@@ -285,20 +313,40 @@ fn packing_limit(plan: &Plan) -> f64 {
     limit
 }
 
+/// Masses and radii of the bodies of a material; frozen ones are infinitely heavy.
+#[derive(Clone, Copy)]
+struct Extents {
+    light: f64,
+    heavy: f64,
+    small: f64,
+    large: f64,
+}
+
+fn extents(plan: &Plan) -> Vec<Extents> {
+    let bodies = &plan.bodies;
+    let none = Extents { light: f64::INFINITY, heavy: 0.0, small: f64::INFINITY, large: 0.0 };
+    let mut extents = vec![none; plan.materials.len()];
+    for k in 0..bodies.len() {
+        let Some(of) = extents.get_mut(usize::from(bodies.material[k])) else { continue };
+        let mass = if bodies.frozen[k] { f64::INFINITY } else { bodies.mass[k] };
+        (of.light, of.heavy) = (of.light.min(mass), of.heavy.max(mass));
+        (of.small, of.large) = (of.small.min(bodies.radius[k]), of.large.max(bodies.radius[k]));
+    }
+    extents
+}
+
 /// Reduced masses and radii of the contacts of a class with its lightest and heaviest partner of a material, or a wall.
-fn partners(plan: &Plan, class: &Class, material: Option<u16>, composition: &Composition) -> Vec<(f64, f64)> {
+fn partners(
+    extents: &[Extents],
+    class: &Class,
+    material: Option<u16>,
+    composition: &Composition,
+) -> Vec<(f64, f64)> {
     let Some(material) = material else {
         let radius = composition.context.reduced_radius;
         return ends(radius).map(|radius| (class.heaviest, radius)).collect();
     };
-    let bodies = &plan.bodies;
-    let (mut light, mut heavy) = (f64::INFINITY, 0.0f64);
-    let (mut small, mut large) = (f64::INFINITY, 0.0f64);
-    for k in (0..bodies.len()).filter(|k| bodies.material[*k] == material) {
-        let mass = if bodies.frozen[k] { f64::INFINITY } else { bodies.mass[k] };
-        (light, heavy) = (light.min(mass), heavy.max(mass));
-        (small, large) = (small.min(bodies.radius[k]), large.max(bodies.radius[k]));
-    }
+    let Extents { light, heavy, small, large } = extents[usize::from(material)];
     let together = |a: f64, b: f64| 1.0 / (1.0 / a + 1.0 / b);
     vec![
         (together(class.lightest, light), together(class.smallest, small)),

@@ -227,24 +227,26 @@ impl Bodies {
         }
     }
 
-    /// Brings the bodies into a new order: place `k` gets the body that was at `order[k]`. `scratch` is reused.
-    pub fn permute(&mut self, order: &[u32], scratch: &mut Vec<Row>) {
+    /// Brings the bodies into a new order: place `k` gets the body that was at `order[k]`. Forces and torques are lost:
+    /// bodies are sorted between two evaluations, and the rows of the forces serve as the room in which to sort.
+    pub fn permute(&mut self, order: &[u32]) {
         let rows = [
             &mut self.position,
             &mut self.velocity,
             &mut self.spin,
-            &mut self.force,
-            &mut self.torque,
             &mut self.previous_acceleration,
             &mut self.previous_angular_acceleration,
         ];
         for column in rows {
             if !column.is_empty() {
-                scratch.clear();
-                scratch.extend(order.iter().map(|&from| column[from as usize]));
-                std::mem::swap(column, scratch);
+                for (to, from) in self.force.iter_mut().zip(order) {
+                    *to = column[*from as usize];
+                }
+                std::mem::swap(column, &mut self.force);
             }
         }
+        self.force.fill(Row::ZERO);
+        self.torque.fill(Row::ZERO);
         gather(&mut self.planar_inverse_inertia, order);
         gather(&mut self.mass, order);
         gather(&mut self.id, order);
@@ -255,6 +257,17 @@ impl Bodies {
 
     /// Places of the bodies in the order of their ids.
     pub fn order_by_id(&self) -> Vec<u32> {
+        let largest = self.id.iter().copied().max().unwrap_or(0) as usize;
+        if largest <= 4 * self.len() {
+            // Ids are nearly consecutive: each has its slot.
+            const NONE: u32 = u32::MAX;
+            let mut slots = vec![NONE; largest + 1];
+            for (place, id) in self.id.iter().enumerate() {
+                slots[*id as usize] = place as u32;
+            }
+            slots.retain(|place| *place != NONE);
+            return slots;
+        }
         let mut order: Vec<u32> = (0..self.len() as u32).collect();
         order.sort_unstable_by_key(|&place| self.id[place as usize]);
         order
@@ -306,10 +319,12 @@ mod tests {
     fn permuting_keeps_bodies_whole() {
         let layout = Layout { planar: false, rotation: true, previous_acceleration: true, surface: true };
         let mut bodies = Bodies::new(layout, (1..=3).map(input));
-        bodies.permute(&[2, 0, 1], &mut Vec::new());
+        bodies.permute(&[2, 0, 1]);
         assert_eq!(bodies.id, [3, 1, 2]);
         assert_eq!(bodies.position[0][0], 3.0);
         assert!(bodies.is_frozen(2));
         assert_eq!(bodies.order_by_id(), [1, 2, 0]);
+        bodies.id = vec![2, 4_000_000_000, 1];
+        assert_eq!(bodies.order_by_id(), [2, 0, 1]);
     }
 }

@@ -26,7 +26,10 @@ const HEADER: &str = "one of `N atoms`, `N atom types`, `LO HI xlo xhi`, `LO HI 
 /// tilted boxes, other sections and other columns are refused by name.
 pub fn read(path: impl AsRef<Path>) -> Result<DataFile, FormatError> {
     let path = path.as_ref();
-    parse(path, &read_text(path)?)
+    match super::pieces::read(path) {
+        Some(data) => Ok(data),
+        None => parse(path, &read_text(path)?),
+    }
 }
 
 /// Reads a data file from text; `file` is the name for messages.
@@ -67,15 +70,17 @@ pub fn parse(file: &Path, text: &str) -> Result<DataFile, FormatError> {
     Ok(DataFile { title, provenance, materials: header.materials, lo: header.lo, hi: header.hi, atoms })
 }
 
-struct Header {
-    atoms: usize,
-    materials: u16,
-    lo: [f64; 3],
-    hi: [f64; 3],
+/// What stands above the first section.
+pub(super) struct Header {
+    pub atoms: usize,
+    pub materials: u16,
+    pub lo: [f64; 3],
+    pub hi: [f64; 3],
 }
 
 impl Header {
-    fn read<'a>(
+    /// Reads the header; `last` is the number of the last line, for messages.
+    pub fn read<'a>(
         file: &Path,
         last: u64,
         lines: &mut Peekable<impl Iterator<Item = Line<'a>>>,
@@ -131,18 +136,19 @@ impl Header {
 }
 
 /// Names of sections are words of letters, all other lines contain a number.
-fn is_heading(content: &str) -> bool {
+pub(super) fn is_heading(content: &str) -> bool {
     content.starts_with(char::is_alphabetic)
         && content.split_whitespace().all(|word| word.chars().all(char::is_alphabetic))
 }
 
 /// `Atoms # sphere` says which columns follow; any other style has other columns.
-fn check_style_hint(line: Line<'_>) -> Result<(), FormatError> {
+pub(super) fn style_fits(line: Line<'_>) -> bool {
     let hint = line.text.split_once('#').map_or("", |(_, hint)| hint).split_whitespace().next();
-    match hint {
-        None | Some("sphere" | "granular") => Ok(()),
-        Some(_) => Err(line.error("no comment here, or the atom style `# sphere`")),
-    }
+    matches!(hint, None | Some("sphere" | "granular"))
+}
+
+fn check_style_hint(line: Line<'_>) -> Result<(), FormatError> {
+    if style_fits(line) { Ok(()) } else { Err(line.error("no comment here, or the atom style `# sphere`")) }
 }
 
 /// Reads as many lines as the header promised.

@@ -57,6 +57,7 @@ impl<'a> Occupancy<'a> {
     }
 
     /// The region that holds all positions.
+    #[cfg(test)]
     pub fn around(cell: &'a Cell, positions: impl Iterator<Item = ([f64; 3], f64)> + Clone) -> Self {
         let (mut lo, mut hi, mut largest, mut bodies) =
             ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0f64, 0);
