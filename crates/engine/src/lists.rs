@@ -8,6 +8,7 @@ use granule_state::{Bodies, Row};
 use rayon::prelude::*;
 
 use crate::error::EngineError;
+use crate::history::PairHistory;
 use crate::rebuild::{Reach, Rebuild};
 use crate::tile::{Incoming, Outgoing, Range, Tile};
 use crate::walls::MovedWall;
@@ -213,8 +214,24 @@ pub(crate) fn push_range(ranges: &mut Vec<Range>, composition: u32, start: u32, 
     }
 }
 
-fn prune_tile(tile: &mut Tile, bodies: &Bodies, shifts: &[[f64; 3]; IMAGE_CODES], margin: f64, last: u32) {
-    let old = (std::mem::take(&mut tile.inner_outer), std::mem::take(&mut tile.history));
+/// Buffers of a thread that change places with those of a tile whose inner list is made anew, so that pruning does not
+/// allocate.
+#[derive(Debug, Default)]
+struct Spare {
+    inner_outer: Vec<u32>,
+    history: PairHistory,
+}
+
+fn prune_tile(
+    tile: &mut Tile,
+    old: &mut Spare,
+    bodies: &Bodies,
+    shifts: &[[f64; 3]; IMAGE_CODES],
+    margin: f64,
+    last: u32,
+) {
+    std::mem::swap(&mut tile.inner_outer, &mut old.inner_outer);
+    std::mem::swap(&mut tile.history, &mut old.history);
     let mut known = 0;
     tile.inner.clear();
     tile.inner_ranges.clear();

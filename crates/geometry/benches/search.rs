@@ -2,7 +2,7 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use granule_geometry::{Cell, NeighbourGrid};
+use granule_geometry::{BodyOrder, Cell, NeighbourGrid, PairScratch};
 
 fn main() {
     divan::main();
@@ -26,24 +26,42 @@ fn packing(count: usize) -> (Vec<[f64; 4]>, Cell) {
     (rows.collect(), cell)
 }
 
+/// A layer of small spheres, ten deep, under one that is `ratio` times as large.
+fn boulder(ratio: u32) -> (Vec<[f64; 4]>, Cell) {
+    let (mut rows, _) = packing(100 * 100 * 100);
+    rows.retain(|row| row[2] < 10.0);
+    let radius = 0.5 * f64::from(ratio);
+    rows.push([50.0, 50.0, 10.0 + radius, radius]);
+    (rows, Cell::unbounded())
+}
+
+fn find(bencher: Bencher, (rows, cell): (Vec<[f64; 4]>, Cell)) {
+    let (mut grid, mut scratch) = (NeighbourGrid::new(), PairScratch::default());
+    bencher.counter(ItemsCount::new(rows.len())).bench_local(|| {
+        grid.build(black_box(&rows), &cell, 0.1, false);
+        let mut number = 0;
+        grid.pairs_of(0..rows.len(), &mut scratch, |_, _, _| number += 1);
+        number
+    });
+}
+
 #[divan::bench(args = [10_000, 100_000])]
 fn pairs(bencher: Bencher, count: usize) {
-    let (rows, cell) = packing(count);
-    let mut grid = NeighbourGrid::new();
-    let (mut start, mut partner, mut image) = (Vec::new(), Vec::new(), Vec::new());
-    bencher.counter(ItemsCount::new(count)).bench_local(|| {
-        grid.half_pairs(black_box(&rows), &cell, 0.1, &mut start, &mut partner, &mut image);
-        partner.len()
-    });
+    find(bencher, packing(count));
+}
+
+#[divan::bench(args = [10, 100, 1000])]
+fn pairs_with_a_boulder(bencher: Bencher, ratio: u32) {
+    find(bencher, boulder(ratio));
 }
 
 #[divan::bench(args = [10_000, 100_000])]
 fn curve_order(bencher: Bencher, count: usize) {
     let (rows, cell) = packing(count);
-    let mut grid = NeighbourGrid::new();
+    let mut sorter = BodyOrder::new();
     let mut order = Vec::new();
     bencher.counter(ItemsCount::new(count)).bench_local(|| {
-        grid.cell_order(black_box(&rows), &cell, 1.1, &mut order);
+        sorter.sort(black_box(&rows), &cell, 1.1, false, &mut order);
         order.len()
     });
 }
