@@ -32,6 +32,14 @@ impl PairHistory {
         }
     }
 
+    /// Makes room for `pairs` pairs.
+    pub fn reserve(&mut self, pairs: usize) {
+        if self.width > 0 {
+            let rows = pairs * (self.width + 1).div_ceil(4);
+            self.rows.reserve(rows.saturating_sub(self.rows.len()));
+        }
+    }
+
     /// History of a pair that touched in evaluation `last`.
     pub fn get(&self, pair: usize, last: u32) -> Option<&[f64]> {
         if self.width == 0 {

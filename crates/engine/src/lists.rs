@@ -35,6 +35,8 @@ pub(crate) struct Lists {
     reach: f64,
     history_width: usize,
     spares: Vec<Mutex<Spare>>,
+    /// Candidates of the tile that has most.
+    most: usize,
     /// How often lists were made and pruned.
     pub rebuilds: u64,
     pub prunes: u64,
@@ -69,6 +71,7 @@ impl Lists {
             reach,
             history_width: crate::level::history_width(plan),
             spares: Vec::new(),
+            most: 0,
             rebuilds: 0,
             prunes: 0,
         }
@@ -123,6 +126,14 @@ impl Lists {
         };
         let what = (plan, &*bodies, walls);
         self.rebuild.fill(&mut self.tiles, what, &self.shifts, &reach, carried, parallel);
+        // Tiles and threads exchange buffers when they prune: with room for the most candidates in each, no pruning until
+        // the next rebuild allocates.
+        self.most = self.tiles.iter().map(|tile| tile.outer.len()).max().unwrap_or(0);
+        for tile in &mut self.tiles {
+            tile.inner.reserve(self.most.saturating_sub(tile.inner.len()));
+            tile.inner_outer.reserve(self.most.saturating_sub(tile.inner_outer.len()));
+            tile.history.reserve(self.most);
+        }
         self.travelled_outer = 0.0;
         self.rebuilds += 1;
         Ok(())
@@ -135,6 +146,12 @@ impl Lists {
         let reach = self.reach;
         let threads = if parallel { rayon::current_num_threads() } else { 1 };
         self.spares.resize_with(threads.max(self.spares.len()), Default::default);
+        for spare in &mut self.spares {
+            let spare = spare.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner);
+            spare.inner_outer.reserve(self.most.saturating_sub(spare.inner_outer.len()));
+            spare.history.width = self.history_width;
+            spare.history.reserve(self.most);
+        }
         let spares = &self.spares;
         each_tile(&mut self.tiles, parallel, |_, tile| {
             let thread = rayon::current_thread_index().unwrap_or(0) % spares.len();
@@ -167,7 +184,12 @@ impl Lists {
                 self.tiles[index].list.push(pair, to);
             }
             self.tiles[index].list.finish(slot);
-            self.tiles[index].outbox.resize(slot, Outgoing::default());
+            let outbox = &mut self.tiles[index].outbox;
+            if outbox.capacity() < slot {
+                // Room for the bodies that drift between tiles until the next sort.
+                outbox.reserve_exact(slot + slot / 4 - outbox.len());
+            }
+            outbox.resize(slot, Outgoing::default());
         }
         self.travelled_inner = 0.0;
         self.steps_since_prune = 0;

@@ -302,11 +302,6 @@ fn inner(tile: &mut Tile, bodies: &Bodies, shifts: &[[f64; 3]; IMAGE_CODES], rea
     tile.inner.clear();
     tile.inner_outer.clear();
     tile.inner_ranges.clear();
-    // Room for all candidates, so that no pruning until the next rebuild allocates.
-    tile.inner.reserve(tile.outer.len());
-    tile.inner_outer.reserve(tile.outer.len());
-    tile.history.width = reach.history_width;
-    tile.history.resize(tile.outer.len());
     for range in &tile.outer_ranges {
         let begin = tile.inner.len() as u32;
         for at in range.start..range.end {
@@ -322,5 +317,6 @@ fn inner(tile: &mut Tile, bodies: &Bodies, shifts: &[[f64; 3]; IMAGE_CODES], rea
         }
         push_range(&mut tile.inner_ranges, range.composition, begin, tile.inner.len() as u32);
     }
+    tile.history.width = reach.history_width;
     tile.history.resize(tile.inner.len());
 }
