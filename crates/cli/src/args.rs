@@ -137,7 +137,7 @@ pub struct TradeArguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub observe: Vec<String>,
     /// Runs of every setting
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u64).range(3..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(3..=1000))]
     pub runs: u64,
     /// Relative error that the choice may have
     #[arg(long, value_name = "SHARE", default_value_t = 0.01)]

@@ -56,6 +56,8 @@ fn the_first_row_is_what_the_scene_says() {
         ("maximum_height", 1.0),
         ("maximum_overlap", 0.01),
         ("maximum_speed", 5.0f64.sqrt()),
+        ("collisions", 0.0),
+        ("overlapping_collisions", 0.0),
     ];
     assert_eq!(table.rows(), 1);
     assert_eq!(table.columns.len(), 2 + expected.len());

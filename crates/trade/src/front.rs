@@ -12,8 +12,7 @@ pub struct Scored {
     pub setting: Setting,
     /// Relative error of each observable: of the worst run for paths, of the mean over the runs for means.
     pub errors: Vec<f64>,
-    /// Uncertainty of each error: for paths one standard deviation of the runs' errors and the uncertainty of the
-    /// reference, for means two standard errors of the differences from the reference, run by run.
+    /// Uncertainty of each error: for paths how much further the worst run may be (as much as the runs' errors differ) and the uncertainty of the reference, for means two standard errors of the differences from the reference, run by run.
     pub bars: Vec<f64>,
     /// The largest error.
     pub error: f64,
@@ -56,11 +55,14 @@ pub(crate) fn score(
                     .iter()
                     .map(|sample| distance(&sample.values[at], &reference.values[at], scale))
                     .collect();
-                let middle = each.iter().sum::<f64>() / each.len() as f64;
-                let squares: f64 = each.iter().map(|error| (error - middle).powi(2)).sum();
-                let deviation = (squares / (each.len() as f64 - 1.0).max(1.0)).sqrt();
-                errors.push(each.iter().copied().fold(0.0, f64::max));
-                bars.push(deviation + reference.uncertainty[at]);
+                let (least, most) = each.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), error| {
+                    (least.min(*error), most.max(*error))
+                });
+                // The error of a run depends on the phases at which contacts begin, with a long tail: a run that was not
+                // made may be worse by about as much as those that were made differ.
+                let further = most - least;
+                errors.push(most);
+                bars.push(further + reference.uncertainty[at]);
             }
             Kind::Means => {
                 let share = |value: f64| if scale > 0.0 { value / scale } else { value };

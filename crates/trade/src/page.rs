@@ -65,8 +65,8 @@ pub fn document(study: &Study) -> Result<Document, ReportError> {
         },
     });
     let how = if study.paths {
-        "Paths are compared at the end of each run, and the worst run counts; the bar is one standard deviation of the runs' \
-         errors and the uncertainty of the reference."
+        "Paths are compared at the end of each run, and the worst run counts; the bar is how much the \
+         runs' errors differ and the uncertainty of the reference."
     } else {
         "Means over the last fifth of the time and over the runs are compared with the reference, run by run of equal initial states; the bar is two standard errors. An error \
          within its bar is not told from zero, and counts as its bar."

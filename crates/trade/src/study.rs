@@ -216,6 +216,3 @@ fn candidates(kind: Kind, gravity: bool, rotation: bool) -> Vec<Setting> {
     }
     settings
 }
-
-#[cfg(test)]
-mod tests;

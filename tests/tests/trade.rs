@@ -1,8 +1,12 @@
-use granule_laws as _;
+//! `granule trade`: what it states holds, and it goes on where it stopped.
 
-use super::*;
-use crate::chosen_scene;
-use crate::reference::distance;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use granule_law_api::Registry;
+use granule_laws as _;
+use granule_scene::{IntegratorChoice, PrecisionChoice};
+use granule_trade::{Omission, Options, Setting, Study, TradeError, Watch, chosen_scene, trade};
 
 const OBLIQUE: &str = r#"(
     version: 1,
@@ -39,38 +43,29 @@ fn run(text: &str, options: &Options) -> Result<Study, TradeError> {
     trade(text, Path::new("."), &registry, options, &mut Count::default(), &AtomicBool::new(false))
 }
 
-/// Settings picked from all over the ladder are run again, at steps that were not used before, and err by no more than
-/// was stated with its bar.
+/// The worst of runs at steps that were not used before errs by no more than was stated with its bar, for 19
+/// of 20 settings and observables; of thirteen realisations six are new.
 #[test]
 fn what_is_stated_holds_when_it_is_run_again() {
     let folder = tempfile::tempdir().unwrap();
-    let study = run(OBLIQUE, &options(folder.path())).unwrap();
+    let seven = Options { realisations: 7, ..options(folder.path()) };
+    let study = run(OBLIQUE, &seven).unwrap();
     assert!(study.paths && !study.seeds && study.settings.len() > 20);
-    let registry = Registry::collect().unwrap();
-    let scene = granule_scene::parse(OBLIQUE).scene.unwrap();
-    let plan = granule_plan::build(&scene, &registry, Path::new(".")).0.unwrap();
-    let observables = observables(&[], &scene, &plan).unwrap();
-    let subject = Subject {
-        scene: &scene,
-        registry: &registry,
-        folder: Path::new("."),
-        duration: study.duration,
-        observables: &observables,
-        ledger: false,
-    };
-    for at in [1, study.settings.len() / 3, study.settings.len() - 2] {
-        let scored = &study.settings[at];
-        for index in [7, 9, 12] {
-            let sample = subject.run(&scored.setting, index, &AtomicBool::new(false)).unwrap();
-            for (observable, value) in sample.values.iter().enumerate() {
-                let error =
-                    distance(value, &study.reference.values[observable], study.reference.scale[observable]);
-                // The bar is one standard deviation; twice that leaves room for a phase that no run had.
-                let stated = scored.errors[observable] + 2.0 * scored.bars[observable];
-                assert!(error <= stated, "{} {index}: {error} of {stated}", scored.setting.label());
+    let again = Options { realisations: 13, ..options(folder.path()) };
+    let again = run(OBLIQUE, &again).unwrap();
+    let (mut all, mut outside) = (0, Vec::new());
+    for scored in &study.settings {
+        let same = again.settings.iter().find(|other| other.setting == scored.setting).unwrap();
+        for observable in 0..scored.errors.len() {
+            let stated = scored.errors[observable] + scored.bars[observable];
+            let error = same.errors[observable];
+            all += 1;
+            if error > stated {
+                outside.push(format!("{}: {error} of {stated}", scored.setting.label()));
             }
         }
     }
+    assert!(20 * outside.len() <= all, "{} of {all}: {outside:?}", outside.len());
 }
 
 /// More steps cost more and err less, over the whole ladder; leaving friction out of a scene that has it is wrong.
@@ -79,7 +74,13 @@ fn the_ladder_is_a_trade() {
     let folder = tempfile::tempdir().unwrap();
     let study = run(OBLIQUE, &options(folder.path())).unwrap();
     let find = |steps: f64, without: Omission| {
-        let wanted = Setting { steps_per_contact: steps, without, ..FULL };
+        let wanted = Setting {
+            integrator: IntegratorChoice::VelocityVerlet,
+            steps_per_contact: steps,
+            precision: PrecisionChoice::Double,
+            stiffness: 1.0,
+            without,
+        };
         study.settings.iter().find(|scored| scored.setting == wanted).unwrap()
     };
     let (coarse, fine) = (find(10.0, Omission::None), find(320.0, Omission::None));
