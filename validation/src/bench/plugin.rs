@@ -206,8 +206,8 @@ mod tests {
         let path = folder.path().join("scene.ron");
         let scene = std::fs::read_to_string(states::scenes().join("settled-hooke/scene.ron")).unwrap();
         let import = scene.lines().find(|line| line.trim_start().starts_with("bodies:")).unwrap();
-        let fill = "bodies: [Fill(material: \"glass\", radius: \"0.5 mm\", count: 300, lo: (0, 0, 0), \
-                    hi: (\"5 mm\", \"5 mm\", \"30 mm\"), velocity_spread: 1)],";
+        let fill = "bodies: [Fill(material: \"glass\", radius: \"0.5 mm\", count: 230, lo: (0, 0, 0), \
+                    hi: (\"5 mm\", \"5 mm\", \"20 mm\"), velocity_spread: 1)],";
         std::fs::write(&path, scene.replace(import, fill)).unwrap();
         let scene = SceneFile::read(&path).unwrap();
         let job = Job {
@@ -217,7 +217,7 @@ mod tests {
             single: false,
             cores: 1,
             warm_up: 0,
-            steps: 4000,
+            steps: 40_000,
             vtp: false,
         };
         let shipped = speed(scene.plan().unwrap(), &job).unwrap().1;
