@@ -208,7 +208,8 @@ mod tests {
         let import = scene.lines().find(|line| line.trim_start().starts_with("bodies:")).unwrap();
         let fill = "bodies: [Fill(material: \"glass\", radius: \"0.5 mm\", count: 230, lo: (0, 0, 0), \
                     hi: (\"5 mm\", \"5 mm\", \"20 mm\"), velocity_spread: 1)],";
-        std::fs::write(&path, scene.replace(import, fill)).unwrap();
+        let narrow = scene.replace(import, fill).replace("(\"20 mm\", \"20 mm\",", "(\"5 mm\", \"5 mm\",");
+        std::fs::write(&path, narrow).unwrap();
         let scene = SceneFile::read(&path).unwrap();
         let job = Job {
             scene: path,
@@ -224,7 +225,7 @@ mod tests {
         let mut driver = TimeStepDriver::new(scene.plan().unwrap(), Some(1)).unwrap();
         driver.advance(job.steps, &AtomicBool::new(false)).unwrap();
         let tally = driver.engine().tally();
-        assert!(tally.contacts + tally.wall_contacts > 100, "nothing touches");
+        assert!(tally.contacts > 100, "{tally:?}");
         let plan = Arc::try_unwrap(scene.plan().unwrap()).ok().unwrap();
         assert_eq!(speed(Arc::new(fuse(plan)), &job).unwrap().1, shipped);
     }
