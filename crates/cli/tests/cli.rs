@@ -382,6 +382,29 @@ mod signals {
     }
 
     #[test]
+    fn a_scene_asks_for_an_accuracy() {
+        let case = Case::new();
+        let text = scene("(duration: \"1 ms\"), accuracy: (restitution: 0.01)", "[]");
+        case.write("wish.ron", &text);
+        let done = case.granule(&["explain", "wish.ron"]);
+        done.exits(0);
+        assert!(
+            done.out.contains("+ accuracy: ") && done.out.contains("- measured: error of VelocityVerlet"),
+            "{}",
+            done.out
+        );
+        let done = case.granule(&["run", "wish.ron"]);
+        done.exits(0);
+        let line = done.out.lines().find(|line| line.starts_with("accuracy")).unwrap();
+        let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        assert!(numbers.len() == 2 && numbers[0] <= 0.01 && numbers[1] <= numbers[0], "{line}");
+        case.write("time.ron", &text.replace("accuracy: (restitution: 0.01)", "budget: (seconds: 30)"));
+        let done = case.granule(&["run", "time.ron"]);
+        done.exits(0);
+        assert!(done.out.contains("s expected, "), "{}", done.out);
+    }
+
+    #[test]
     fn nobody_reading_is_no_error() {
         let case = Case::new();
         let mut child = case

@@ -48,7 +48,7 @@ pub use granule_calibration as calibration;
 pub use granule_plan::explain;
 pub use granule_trade as trade;
 pub use law_check::{Figures, LawCheck, law_check};
-pub use load::{LoadError, Loaded, Source, laws, load, load_text};
+pub use load::{LoadError, Loaded, Source, laws, load, load_text, load_without_wish, measured_again};
 pub use progress::{Outlook, Progress, Silent, Status};
 pub use run::{Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};
 

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use granule_law_api::{Registry, RegistryError};
 use granule_laws as _;
-use granule_plan::Plan;
-use granule_scene::Diagnostic;
+use granule_plan::{Decision, Plan};
+use granule_scene::{Diagnostic, Parsed, Scene};
+use granule_trade::Choice;
 
 /// Largest scene file that is read \[bytes\]. Many bodies belong into an imported file, not into the scene.
 const LARGEST_SCENE: u64 = 64 << 20;
@@ -28,6 +29,9 @@ pub struct Loaded {
     pub plan: Plan,
     /// What is probably not meant, but no obstacle.
     pub warnings: Vec<Diagnostic>,
+    /// Why the step is what it is, where the scene asks for an accuracy or a time instead; the text of the source is then the
+    /// scene with the choice.
+    pub choice: Option<Choice>,
 }
 
 /// Why a scene cannot be loaded.
@@ -116,6 +120,20 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded, LoadError> {
     load_text(path, read(path)?)
 }
 
+/// Reads a scene file and plans it with the step of its driver block, whatever accuracy or time it asks for.
+///
+/// # Errors
+/// As for [`load`].
+pub fn load_without_wish(path: impl AsRef<Path>) -> Result<Loaded, LoadError> {
+    let path = path.as_ref();
+    let text = read(path)?;
+    let without = ["accuracy", "budget"]
+        .into_iter()
+        .try_fold(text.clone(), |text, field| granule_scene::remove_field(&text, field));
+    // A text that is no RON has its errors reported as it is.
+    load_text(path, without.unwrap_or(text))
+}
+
 /// Plans the text of a scene. Files that it imports are looked for beside `path`, which itself need not exist.
 ///
 /// # Errors
@@ -124,18 +142,74 @@ pub fn load_text(path: &Path, text: String) -> Result<Loaded, LoadError> {
     let registry = laws().map_err(LoadError::Registry)?;
     let source = Source { path: path.to_path_buf(), text };
     let parsed = granule_scene::parse(&source.text);
+    let asks = parsed.scene.as_ref().filter(|scene| scene.accuracy.is_some() && scene.complete);
+    if let Some(scene) = asks {
+        return decided(&registry, scene, source, parsed.diagnostics);
+    }
+    let (plan, diagnostics) = plan(&registry, &source, parsed);
+    match plan {
+        Some(plan) => Ok(Loaded { source, plan, warnings: diagnostics, choice: None }),
+        None => Err(LoadError::Scene { source, diagnostics }),
+    }
+}
+
+fn plan(registry: &Registry, source: &Source, parsed: Parsed) -> (Option<Plan>, Vec<Diagnostic>) {
     let mut diagnostics = parsed.diagnostics;
     let mut plan = None;
     if let Some(scene) = &parsed.scene {
-        let (built, problems) = granule_plan::build(scene, &registry, folder(path));
+        let (built, problems) = granule_plan::build(scene, registry, folder(&source.path));
         plan = built;
         diagnostics.extend(problems);
         granule_scene::tidy(&mut diagnostics);
     }
-    match plan {
-        Some(plan) => Ok(Loaded { source, plan, warnings: diagnostics }),
-        None => Err(LoadError::Scene { source, diagnostics }),
+    (plan, diagnostics)
+}
+
+/// Plans a scene that asks for an accuracy or a time.
+fn decided(
+    registry: &Registry,
+    scene: &Scene,
+    source: Source,
+    mut diagnostics: Vec<Diagnostic>,
+) -> Result<Loaded, LoadError> {
+    let beside = folder(&source.path);
+    // Every other problem first: a choice for a wrong scene has no sense.
+    let (ready, problems) = granule_plan::build(&Scene { accuracy: None, ..scene.clone() }, registry, beside);
+    diagnostics.extend(problems);
+    let mut fail = |problems: Vec<Diagnostic>| {
+        diagnostics.extend(problems);
+        granule_scene::tidy(&mut diagnostics);
+        LoadError::Scene { source: source.clone(), diagnostics: std::mem::take(&mut diagnostics) }
+    };
+    if ready.is_none() {
+        return Err(fail(Vec::new()));
     }
+    drop(ready);
+    let choice = match granule_trade::decide(&source.text, scene, registry, beside) {
+        Ok(Some(choice)) => choice,
+        Ok(None) => return Err(fail(Vec::new())),
+        Err(problems) => return Err(fail(problems)),
+    };
+    let source = Source { text: choice.text.clone(), ..source };
+    let parsed = granule_scene::parse(&source.text);
+    let (plan, warnings) = plan(registry, &source, parsed);
+    let Some(mut plan) = plan else { return Err(LoadError::Scene { source, diagnostics: warnings }) };
+    plan.decisions.push(Decision { topic: choice.goal.field(), included: true, why: choice.why() });
+    for row in &choice.table {
+        plan.decisions.push(Decision { topic: "measured", included: false, why: row.clone() });
+    }
+    Ok(Loaded { source, plan, warnings, choice: Some(choice) })
+}
+
+/// Repeats the measurement that led to a choice, at other phases of the step. `None` where nothing was measured but a table
+/// decided.
+///
+/// # Errors
+/// An impact has no result.
+pub fn measured_again(choice: &Choice, source: &Source) -> Result<Option<f64>, String> {
+    let Loaded { plan, .. } =
+        load_text(&source.path, choice.text.clone()).map_err(|error| error.to_string())?;
+    choice.measured_again(&plan)
 }
 
 /// The folder that a scene lies in.

@@ -41,6 +41,11 @@ pub(crate) struct Builder<'a> {
 impl Builder<'_> {
     fn plan(&mut self) -> Option<Plan> {
         let scene = self.scene;
+        if let Some(block) = &scene.accuracy {
+            let message =
+                format!("`{}` must be replaced by a setting before a plan is made", block.goal.field());
+            self.error(block.span.clone(), message);
+        }
         let gravity = match &scene.gravity {
             Some(gravity) => self.vector(gravity, "gravity"),
             None => Some([0.0; 3]),

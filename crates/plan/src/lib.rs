@@ -16,6 +16,7 @@ mod limits;
 mod model;
 mod outputs;
 mod schedule;
+mod single;
 mod speed;
 mod substrate;
 mod walls;
@@ -29,3 +30,4 @@ pub use model::{
     OutputPlan, Partner, Plan, Precision, SERIES, Scheme, Search, StagePlan, SubstrateMaterial,
     SubstratePlan, TimeStepPlan, WallPlan,
 };
+pub use single::SingleImpact;

@@ -30,6 +30,21 @@ pub fn set_field(
     })
 }
 
+/// The text without a field of the scene, and without the comma behind it.
+///
+/// # Errors
+/// The text is no RON.
+pub fn remove_field(text: &str, field: &str) -> Result<String, Diagnostic> {
+    let scene = Node::whole(text)?;
+    let Some(entry) = scene.fields().into_iter().flatten().find(|entry| entry.name == field) else {
+        return Ok(text.to_string());
+    };
+    let end = entry.value.span().end;
+    let next = skip_blank(text, end);
+    let end = if text[next..].starts_with(',') { next + 1 } else { end };
+    Ok(replaced(text, entry.span.start..end, ""))
+}
+
 /// The text with other words at some places. The places must not overlap.
 pub fn replace_all(text: &str, mut changes: Vec<(Range<usize>, String)>) -> String {
     changes.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
@@ -89,6 +104,20 @@ mod tests {
         }
         assert_eq!(set_field("(a: 1)", None, "b", "2").unwrap(), "(a: 1, b: 2)");
         assert_eq!(set_field("(a: 1)", None, "a", "2").unwrap(), "(a: 2)");
+    }
+
+    #[test]
+    fn a_field_is_removed() {
+        for (text, expected) in [
+            ("(a: 1, b: (c: 2), d: 3)", "(a: 1,  d: 3)"),
+            ("(b: x(1) , a: 1)", "( a: 1)"),
+            ("(a: 1, b: 2)", "(a: 1, )"),
+            ("(a: 1)", "(a: 1)"),
+        ] {
+            let removed = remove_field(text, "b").unwrap();
+            assert_eq!(removed, expected);
+            assert!(Node::whole(&removed).unwrap().fields().is_some(), "{removed}");
+        }
     }
 
     #[test]

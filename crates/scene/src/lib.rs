@@ -13,7 +13,7 @@ mod spec;
 mod syntax;
 
 pub use diagnostic::{Diagnostic, Severity, nearest, position, suggestion, tidy};
-pub use edit::{replace_all, set_field};
+pub use edit::{remove_field, replace_all, set_field};
 pub use manual::manual;
 pub use read::{Parsed, parse};
 pub use scene::*;

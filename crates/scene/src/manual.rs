@@ -32,7 +32,11 @@ const CHAPTERS: &[(&str, &str, &[&Block])] = &[
     ),
     ("Substrate", "", &[&spec::SUBSTRATE]),
     ("Contacts", "", &[&spec::CONTACT, &spec::CONVENTIONS]),
-    ("Driver and run", "", &[&spec::TIME_STEP, &spec::AUTO, &spec::EVENT, &spec::RUN]),
+    (
+        "Driver and run",
+        "",
+        &[&spec::TIME_STEP, &spec::AUTO, &spec::ACCURACY, &spec::BUDGET, &spec::EVENT, &spec::RUN],
+    ),
     (
         "Outputs",
         "`outputs` is a list of the following. Paths must differ and stay inside the output folder.",

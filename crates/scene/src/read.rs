@@ -1,5 +1,6 @@
 //! Reads a scene block by block.
 
+mod accuracy;
 mod bodies;
 mod contacts;
 mod run;
@@ -83,13 +84,18 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
         Some(Some(run::DriverBlock::TimeStep(block))) => (Some(Some(block)), None),
         Some(Some(run::DriverBlock::Event(block))) => (Some(None), Some(block)),
     };
+    let accuracy = accuracy::goal(r, &f);
     let run = r.required(&f, "run", |r, _, node| run::length(r, node));
     let outputs = section(r, f.get("outputs"), &at, run::outputs);
     let ledger = r.optional(&f, "ledger", Reader::boolean);
     Some(Scene {
         title: title.flatten().map_or(String::new(), |title| title.value),
         seed: seed.flatten().map_or(0, |seed| seed.value),
-        complete: dimensions.is_some() && gravity.is_some() && cell.is_some() && surface.is_some(),
+        complete: dimensions.is_some()
+            && gravity.is_some()
+            && cell.is_some()
+            && surface.is_some()
+            && accuracy.is_some(),
         dimensions: dimensions
             .flatten()
             .map_or(Spanned::new(3, at.clone()), |d| Spanned::new(if d.value == 2 { 2 } else { 3 }, d.span)),
@@ -112,6 +118,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
             threads: None,
         }),
         event,
+        accuracy: accuracy.flatten(),
         run,
         outputs,
         ledger: ledger.flatten().unwrap_or(false),

@@ -1,6 +1,10 @@
 //! What the user wrote, with places. Nothing here is checked against laws, other blocks or geometry: the plan does that.
 
+mod accuracy;
+
 use std::ops::Range;
+
+pub use accuracy::{AccuracyBlock, AccuracyGoal};
 
 /// A value and the bytes of the text that it was read from.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +77,8 @@ pub struct Scene {
     pub driver: TimeStepBlock,
     /// The event-driven driver is asked for, with these settings.
     pub event: Option<EventBlock>,
+    /// An accuracy or a time that is asked for instead of a step.
+    pub accuracy: Option<AccuracyBlock>,
     /// How long it runs.
     pub run: Option<RunBlock>,
     /// Files to write.

@@ -1,8 +1,10 @@
 //! Every block and field of a scene, in one place: the reader refuses what is not listed here, and the manual prints it.
 
+mod accuracy;
 mod event;
 mod substrate;
 
+pub use accuracy::{ACCURACY, BUDGET};
 pub use event::EVENT;
 pub use substrate::SUBSTRATE;
 
@@ -141,6 +143,13 @@ pub const SCENE: Block = Block {
             "Accepts bodies that overlap each other or a wall by more than 1 % of the smaller radius at the start. Bodies \
              from one imported file may always overlap each other.",
         ),
+        opt(
+            "accuracy",
+            "block Accuracy",
+            "what the driver says",
+            "Error that the scene may have; chooses step and integrator.",
+        ),
+        opt("budget", "block Budget", "no bound", "Time that the run may take; chooses step and integrator."),
         opt(
             "driver",
             "block TimeStep or Event",

@@ -10,6 +10,7 @@
 //! by run, and the worst run counts. In a scene of many bodies single paths mean nothing after some collisions: means over
 //! the runs are compared, and their standard errors are told.
 
+mod accuracy;
 mod error;
 mod files;
 mod front;
@@ -21,6 +22,7 @@ mod setting;
 mod store;
 mod study;
 
+pub use accuracy::{Choice, decide};
 pub use error::TradeError;
 pub use files::write;
 pub use front::Scored;

@@ -4,6 +4,7 @@ use granule_report::{Align, Axis, Block, Cell, Column, Document, Plot, ReportErr
 use serde_json::{Value, json as object};
 
 use crate::front::Scored;
+use crate::setting::{integrator_name, precision_name};
 use crate::study::Study;
 
 /// Error over cost: every setting, and the front.
@@ -147,6 +148,9 @@ pub fn json(study: &Study) -> Value {
         .map(|(at, scored)| {
             object!({
                 "setting": scored.setting.label(),
+                "integrator": integrator_name(scored.setting.integrator),
+                "precision": precision_name(scored.setting.precision),
+                "without": scored.setting.without,
                 "steps_per_contact": scored.setting.steps_per_contact,
                 "stiffness_factor": scored.setting.stiffness,
                 "step_s": scored.step,
@@ -173,11 +177,13 @@ pub fn json(study: &Study) -> Value {
                 "unit": unit,
                 "scale": study.reference.scale[at],
                 "relative_uncertainty": study.reference.uncertainty[at],
+                "reference": study.reference.values[at],
             })
         })
         .collect();
     object!({
         "title": study.title,
+        "scene": study.scene,
         "bodies": study.bodies,
         "duration_s": study.duration,
         "realisations": study.realisations,

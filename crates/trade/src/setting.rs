@@ -64,6 +64,7 @@ impl Setting {
         scene.driver.step =
             Spanned::new(StepChoice::Auto { steps_per_contact: self.steps_per_contact }, at.clone());
         scene.driver.integrator = Some(Spanned::new(self.integrator, at.clone()));
+        scene.accuracy = None;
         scene.precision = self.precision;
         scene.run = Some(RunBlock::Duration(Spanned::new(duration, at)));
         scene.outputs.items.clear();
@@ -133,11 +134,7 @@ pub fn chosen_scene(text: &str, setting: &Setting) -> Result<String, Vec<Diagnos
     text = set_field(&text, driver, "step", &step).map_err(one)?;
     text = set_field(&text, driver, "integrator", integrator_name(setting.integrator)).map_err(one)?;
     if setting.precision != scene.precision {
-        let precision = match setting.precision {
-            PrecisionChoice::Double => "Double",
-            PrecisionChoice::Single => "Single",
-        };
-        text = set_field(&text, None, "precision", precision).map_err(one)?;
+        text = set_field(&text, None, "precision", precision_name(setting.precision)).map_err(one)?;
     }
     if setting.without == Omission::Gravity {
         let zero = if scene.dimensions.value == 2 { "(0, 0)" } else { "(0, 0, 0)" };
@@ -185,13 +182,29 @@ fn scaled_value(value: &ParameterValue, factor: f64) -> Option<ParameterValue> {
     }
 }
 
+/// Schemes by their names in scenes.
+const INTEGRATORS: [(&str, IntegratorChoice); 4] = [
+    ("VelocityVerlet", IntegratorChoice::VelocityVerlet),
+    ("ClassicVelocityVerlet", IntegratorChoice::ClassicVelocityVerlet),
+    ("Leapfrog", IntegratorChoice::Leapfrog),
+    ("SymplecticEuler", IntegratorChoice::SymplecticEuler),
+];
+
 /// Name of a scheme as in scenes.
 pub(crate) fn integrator_name(integrator: IntegratorChoice) -> &'static str {
-    match integrator {
-        IntegratorChoice::VelocityVerlet => "VelocityVerlet",
-        IntegratorChoice::ClassicVelocityVerlet => "ClassicVelocityVerlet",
-        IntegratorChoice::Leapfrog => "Leapfrog",
-        IntegratorChoice::SymplecticEuler => "SymplecticEuler",
+    INTEGRATORS.iter().find(|(_, known)| *known == integrator).map_or("?", |(name, _)| name)
+}
+
+/// The scheme of a name.
+pub(crate) fn integrator_named(name: &str) -> Option<IntegratorChoice> {
+    INTEGRATORS.iter().find(|(known, _)| *known == name).map(|(_, integrator)| *integrator)
+}
+
+/// Name of an arithmetic as in scenes.
+pub(crate) fn precision_name(precision: PrecisionChoice) -> &'static str {
+    match precision {
+        PrecisionChoice::Double => "Double",
+        PrecisionChoice::Single => "Single",
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use granule_law_api::Registry;
-use granule_scene::{IntegratorChoice, PrecisionChoice, Severity};
+use granule_scene::{IntegratorChoice, PrecisionChoice, Scene, Severity};
 
 use crate::front::{Scored, choose, mark, score};
 use crate::measure::{Sample, Subject, is_random};
@@ -36,6 +36,8 @@ pub trait Watch {
 pub struct Study {
     /// Title of the scene.
     pub title: String,
+    /// Which scene it is of: equal for equal scenes, whatever their settings.
+    pub scene: String,
     /// Names and units of the observables.
     pub observables: Vec<(&'static str, &'static str)>,
     /// Paths are compared, not means.
@@ -81,7 +83,9 @@ pub fn trade(
     stop: &AtomicBool,
 ) -> Result<Study, TradeError> {
     let parsed = granule_scene::parse(text);
-    let Some(scene) = parsed.scene else { return Err(TradeError::Scene(parsed.diagnostics)) };
+    let Some(mut scene) = parsed.scene else { return Err(TradeError::Scene(parsed.diagnostics)) };
+    // A trade finds out what an accuracy needs.
+    scene.accuracy = None;
     let (plan, mut diagnostics) = granule_plan::build(&scene, registry, folder);
     diagnostics.extend(parsed.diagnostics);
     diagnostics.retain(|diagnostic| diagnostic.severity == Severity::Error);
@@ -93,11 +97,13 @@ pub fn trade(
     }
     let observables = observables(&options.observe, &scene, &plan)?;
     let kind = kind(&plan);
+    let duration = plan.driver.steps as f64 * plan.driver.step;
+    let identity = identity(&scene, registry, folder, duration)?;
     let subject = Subject {
         scene: &scene,
         registry,
         folder,
-        duration: plan.driver.steps as f64 * plan.driver.step,
+        duration,
         observables: &observables,
         ledger: need_ledger(&observables),
     };
@@ -143,6 +149,7 @@ pub fn trade(
         .and_then(|best| settings.iter().position(|scored| scored.setting == best.setting));
     Ok(Study {
         title: scene.title.clone(),
+        scene: identity,
         observables: observables.iter().map(|observable| (observable.name(), observable.unit())).collect(),
         paths: kind == Kind::Paths,
         seeds: is_random(&scene),
@@ -155,6 +162,25 @@ pub fn trade(
         target: options.target,
         chosen,
     })
+}
+
+/// The same for the same scene, whatever its step, scheme, precision, outputs and seed.
+pub(crate) fn identity(
+    scene: &Scene,
+    registry: &Registry,
+    folder: &Path,
+    duration: f64,
+) -> Result<String, TradeError> {
+    let mut scene = scene.clone();
+    if is_random(&scene) {
+        scene.seed = 0;
+    }
+    let subject = Subject { scene: &scene, registry, folder, duration, observables: &[], ledger: false };
+    let setting = Setting { steps_per_contact: 160.0, ..FULL };
+    match subject.plan(&setting) {
+        Ok(plan) => Ok(plan.fingerprint),
+        Err(reason) => Err(TradeError::Run { setting: setting.label(), reason }),
+    }
 }
 
 /// Runs that are done once and remembered.

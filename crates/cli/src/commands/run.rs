@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use granule::prelude::{Counts, Ending, RunError, RunOptions, RunSummary};
+use granule::prelude::{Counts, Ending, RunError, RunOptions, RunSummary, Source};
+use granule::trade::Choice;
 
 use super::{Exit, show_load_error};
 use crate::args::RunArguments;
@@ -36,8 +37,15 @@ pub fn run(arguments: &RunArguments) -> Exit {
         stop: &stop,
     };
     let steps = loaded.plan.driver.steps;
+    let choice = loaded.choice;
     match granule::run_plan(loaded.plan, Some(&loaded.source), &directory, options) {
-        Ok(summary) => finished(&summary, steps, arguments.quiet),
+        Ok(summary) => {
+            let exit = finished(&summary, steps, arguments.quiet);
+            if let (Some(choice), Exit::Success, false) = (choice, exit, arguments.quiet) {
+                terminal::out(&realised(&choice, &loaded.source, &summary));
+            }
+            exit
+        }
         Err(error) => {
             terminal::error(&error.to_string());
             if let RunError::Engine { directory, .. } = &error {
@@ -73,6 +81,22 @@ fn finished(summary: &RunSummary, steps: u64, quiet: bool) -> Exit {
         terminal::out(&report(summary));
     }
     Exit::Success
+}
+
+/// What was expected of the setting that the scene asked for, and what came of it.
+fn realised(choice: &Choice, source: &Source, summary: &RunSummary) -> String {
+    let mut out = format!("accuracy       {:.1e} expected of {}", choice.error, choice.quantity);
+    // Writing to a string cannot fail.
+    let _ = match granule::measured_again(choice, source) {
+        Ok(Some(error)) => writeln!(out, ", {error:.1e} measured again at other phases of the step"),
+        Ok(None) => writeln!(out),
+        Err(reason) => writeln!(out, "; it cannot be measured again: {reason}"),
+    };
+    if let Some(seconds) = choice.seconds {
+        let loop_time = summary.wall.saturating_sub(summary.output_wall).as_secs_f64();
+        let _ = writeln!(out, "time           {seconds:.3} s expected, {loop_time:.3} s taken");
+    }
+    out
 }
 
 /// What hard bodies did, and whether they are a model of this scene.

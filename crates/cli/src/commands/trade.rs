@@ -16,7 +16,7 @@ use crate::{progress, terminal, text};
 /// Trades the speed of a scene for accuracy.
 pub fn trade(arguments: &TradeArguments) -> Exit {
     // Loading first shows every problem of the scene with its place.
-    let loaded = match granule::load(&arguments.scene) {
+    let loaded = match granule::load_without_wish(&arguments.scene) {
         Ok(loaded) => loaded,
         Err(error) => {
             show_load_error(&error);
