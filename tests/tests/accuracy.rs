@@ -114,7 +114,7 @@ fn a_table_decides_for_its_scene() {
     }
     let never = std::sync::atomic::AtomicBool::new(false);
     let study = granule_trade::trade(&text, Path::new("."), &registry, &options, &mut Quiet, &never).unwrap();
-    granule_trade::write(&study, &text, folder.path()).unwrap();
+    granule_trade::write(&study, &text, &registry, Path::new("."), folder.path()).unwrap();
     let choice = decided(&text).unwrap().unwrap();
     let best = &study.settings[study.chosen.unwrap()];
     assert!(choice.error <= 0.01 && choice.quantity == "velocities");

@@ -90,7 +90,7 @@ fn the_ladder_is_a_trade() {
     assert!(find(40.0, Omission::Friction).error > 0.1);
     let chosen = &study.settings[study.chosen.unwrap()];
     assert!(chosen.reliable_error() <= 0.01 && chosen.setting.without == Omission::None);
-    let text = chosen_scene(OBLIQUE, &chosen.setting).unwrap();
+    let text = chosen_scene(OBLIQUE, &chosen.setting, &Registry::collect().unwrap(), Path::new(".")).unwrap();
     let parsed = granule_scene::parse(&text).scene.unwrap();
     let (plan, _) = granule_plan::build(&parsed, &Registry::collect().unwrap(), Path::new("."));
     assert!(

@@ -39,6 +39,8 @@ pub enum Command {
     },
     /// Measure what speed costs in accuracy for a scene, and write the choice back as a scene
     Trade(TradeArguments),
+    /// Say what happens in a scene, which of its physics acts, and what could be left out
+    Advise(AdviseArguments),
     /// What the laws of a scene do in a single contact
     Law {
         /// What to do.
@@ -145,4 +147,37 @@ pub struct TradeArguments {
     /// Show no progress and no summary
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// `granule advise`.
+#[derive(Debug, clap::Args)]
+pub struct AdviseArguments {
+    /// Scene file
+    pub scene: PathBuf,
+    /// Folder for the results; interrupted advice goes on with what it finds there [default: advice/<name of the scene>]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Quantities that must not change, separated by commas: velocities, spins, or columns of a time series [default: those in
+    /// the time series of the scene, else the usual ones]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub observe: Vec<String>,
+    /// Runs with and without each piece of physics
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(3..=1000))]
+    pub runs: u64,
+    /// Relative change that is allowed
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
+    pub error: f64,
+    /// Write the scene with the change that saves most
+    #[arg(long, value_name = "FILE")]
+    pub write: Option<PathBuf>,
+    /// Show no progress and no summary
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("a relative change is a positive number".to_string()),
+    }
 }

@@ -20,6 +20,7 @@ pub fn main() -> ExitCode {
         Command::Explain { scene } => commands::explain::explain(&scene),
         Command::Check { scenes } => commands::check::check(&scenes),
         Command::Trade(arguments) => commands::trade::trade(&arguments),
+        Command::Advise(arguments) => commands::advise::advise(&arguments),
         Command::Law { command: LawCommand::Check { scene, speed } } => commands::law::check(&scene, speed),
         Command::Calibrate(arguments) => commands::calibrate::calibrate(&arguments),
         Command::Laws { name, example } => commands::laws::laws(name.as_deref(), example),

@@ -382,6 +382,53 @@ mod signals {
     }
 
     #[test]
+    fn advice_tells_what_acts_and_what_does_not() {
+        let case = Case::new();
+        let oblique = scene("(duration: \"30 ms\")", "[]");
+        let central = oblique.replace("\"0.5 mm\"", "0");
+        case.write("oblique.ron", &oblique).write("central.ron", &central);
+        let verdicts = |name: &str| {
+            let done =
+                case.granule(&["advise", name, "--output", &format!("{name}-advice"), "--error", "0.02"]);
+            done.exits(0);
+            let line = |physics: &str| {
+                let line = done.out.lines().find(|line| line.trim_start().starts_with(physics));
+                line.unwrap_or_else(|| panic!("no {physics} in {}", done.out)).to_string()
+            };
+            [line("friction"), line("soft contacts")]
+        };
+        let [friction, soft] = verdicts("central.ron");
+        assert!(friction.contains("never acts"), "{friction}");
+        assert!(soft.contains("can go"), "{soft}");
+        let [friction, _] = verdicts("oblique.ron");
+        assert!(friction.contains("is needed"), "{friction}");
+        let json = std::fs::read_to_string(case.path("oblique.ron-advice/advice.json")).unwrap();
+        assert!(json.contains("Psi_1") && json.contains("\"verdict\": \"is needed\""), "{json}");
+        // The change that saves most is a scene, and is right.
+        let arguments = [
+            "advise",
+            "central.ron",
+            "--output",
+            "central.ron-advice",
+            "--error",
+            "0.02",
+            "--write",
+            "hard.ron",
+        ];
+        case.granule(&arguments).exits(0);
+        let text = std::fs::read_to_string(case.path("hard.ron")).unwrap();
+        assert!(
+            text.contains("collision: HardSphere(restitution: 0.8")
+                || text.contains("HardSphere(restitution: 0.79"),
+            "{text}"
+        );
+        case.granule(&["check", "hard.ron"]).exits(0);
+        let done = case.granule(&["advise", "hard.ron"]);
+        done.exits(1);
+        assert!(done.err.contains("hard bodies already"), "{}", done.err);
+    }
+
+    #[test]
     fn a_scene_asks_for_an_accuracy() {
         let case = Case::new();
         let text = scene("(duration: \"1 ms\"), accuracy: (restitution: 0.01)", "[]");

@@ -115,7 +115,7 @@ pub fn decide(
         AccuracyGoal::Budget { seconds, table: None } => wish.budget(seconds.value, &seconds.span)?,
     };
     let Decided { setting, quantity, error, seconds, table, step } = choice;
-    let text = chosen_scene(text, &setting)?;
+    let text = chosen_scene(text, &setting, registry, folder)?;
     let text = remove_field(&text, block.goal.field()).map_err(|problem| vec![problem])?;
     Ok(Some(Choice { text, setting, goal: block.goal.clone(), quantity, error, seconds, table, step }))
 }
@@ -151,9 +151,9 @@ impl Wish<'_> {
 
     /// The plan of a setting.
     fn plan(&self, setting: &Setting) -> Result<Plan, Vec<Diagnostic>> {
-        let Some(scene) = setting.apply(self.scene, self.registry, self.duration) else {
-            return Err(Vec::new());
-        };
+        let scene = setting
+            .apply(self.scene, self.registry, self.folder, self.duration)
+            .map_err(|reason| vec![Diagnostic::error(0..0, reason)])?;
         let (plan, mut problems) = granule_plan::build(&scene, self.registry, self.folder);
         problems.retain(|problem| problem.severity == Severity::Error);
         plan.ok_or(problems)

@@ -11,18 +11,22 @@
 //! the runs are compared, and their standard errors are told.
 
 mod accuracy;
+mod advise;
 mod error;
 mod files;
 mod front;
+mod hard;
 mod measure;
 mod observable;
 mod page;
 mod reference;
 mod setting;
+mod single;
 mod store;
 mod study;
 
 pub use accuracy::{Choice, decide};
+pub use advise::{Advice, Claim, Group, Verdict, advice_json, advise};
 pub use error::TradeError;
 pub use files::write;
 pub use front::Scored;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use granule_drivers::{Advance, Driver, TimeStepDriver};
+use granule_drivers::{Advance, Driver, EventDriver, TimeStepDriver};
 use granule_law_api::Registry;
 use granule_observers::Energy;
 use granule_plan::Plan;
@@ -13,7 +13,7 @@ use granule_scene::{BodyBlock, Scene, Spanned, StepChoice};
 use serde::{Deserialize, Serialize};
 
 use crate::observable::{Kind, Observable, kind};
-use crate::{Setting, TradeError};
+use crate::{Omission, Setting, TradeError};
 
 /// Share of the run at its end over which means are taken.
 const LAST: f64 = 0.2;
@@ -59,9 +59,12 @@ pub(crate) struct Subject<'a> {
 impl Subject<'_> {
     /// The plan of a setting; `None` with the reason if it does not apply.
     pub fn plan(&self, setting: &Setting) -> Result<Plan, String> {
-        let scene = setting
-            .apply(self.scene, self.registry, self.duration)
-            .ok_or("its stiffness is no parameter of these laws")?;
+        if setting.without == Omission::Softness
+            && let Some(observable) = self.observables.iter().find(|observable| observable.needs_contacts())
+        {
+            return Err(format!("hard bodies have no contacts that last, and so no `{}`", observable.name()));
+        }
+        let scene = setting.apply(self.scene, self.registry, self.folder, self.duration)?;
         self.plan_scene(scene)
     }
 
@@ -76,9 +79,7 @@ impl Subject<'_> {
 
     /// The plan of one realisation of a setting: another seed where the scene has random parts, else another step.
     pub fn realisation(&self, setting: &Setting, index: u64) -> Result<Plan, String> {
-        let mut scene = setting
-            .apply(self.scene, self.registry, self.duration)
-            .ok_or("its stiffness is no parameter of these laws")?;
+        let mut scene = setting.apply(self.scene, self.registry, self.folder, self.duration)?;
         if index == 0 {
             return self.plan_scene(scene);
         }
@@ -117,16 +118,34 @@ impl Subject<'_> {
     }
 
     fn once(&self, plan: &Arc<Plan>, stop: &AtomicBool) -> Result<Sample, Option<String>> {
-        let mut driver =
-            TimeStepDriver::new(plan.clone(), Some(1)).map_err(|error| Some(error.to_string()))?;
+        let failed = |error: granule_drivers::EngineError| Some(error.to_string());
+        let count = plan.bodies.len().max(1) as f64;
+        if plan.event.is_some() {
+            let mut driver = EventDriver::new(plan.clone()).map_err(failed)?;
+            let sample = self.follow(plan, &mut driver, stop)?;
+            return Ok(Sample { bytes_per_body: driver.engine().bytes() as f64 / count, ..sample });
+        }
+        let mut driver = TimeStepDriver::new(plan.clone(), Some(1)).map_err(failed)?;
+        let sample = self.follow(plan, &mut driver, stop)?;
+        let engine = driver.engine();
+        let bytes = engine.bodies().layout().bytes_per_body() as f64 + engine.list_bytes() as f64 / count;
+        Ok(Sample { bytes_per_body: bytes, ..sample })
+    }
+
+    fn follow(
+        &self,
+        plan: &Plan,
+        driver: &mut dyn Driver,
+        stop: &AtomicBool,
+    ) -> Result<Sample, Option<String>> {
         let start = Energy::of(&driver.view());
-        let measure = |driver: &TimeStepDriver| -> Vec<Vec<f64>> {
+        let measure = |driver: &dyn Driver| -> Vec<Vec<f64>> {
             let view = driver.view();
             let now = Energy::of(&view);
             self.observables.iter().map(|observable| observable.measure(&view, &now, &start)).collect()
         };
         let steps = plan.driver.steps;
-        let mut scales = sizes(&measure(&driver));
+        let mut scales = sizes(&measure(driver));
         // Moments before the last share are looked at for the size of the observables only.
         let begin_of_mean = match kind(plan) {
             Kind::Paths => steps,
@@ -152,7 +171,7 @@ impl Subject<'_> {
                 Err(error) => return Err(Some(error.to_string())),
             }
             wall += begin.elapsed();
-            let values = measure(&driver);
+            let values = measure(driver);
             for (scale, size) in scales.iter_mut().zip(sizes(&values)) {
                 *scale = scale.max(size);
             }
@@ -171,16 +190,13 @@ impl Subject<'_> {
         for sum in sums.iter_mut().flatten() {
             *sum /= summed;
         }
-        let engine = driver.engine();
-        let bytes = engine.bodies().layout().bytes_per_body() as f64
-            + engine.list_bytes() as f64 / plan.bodies.len().max(1) as f64;
         Ok(Sample {
             values: sums,
             scales,
             wall: wall.as_secs_f64(),
             steps,
             step: plan.driver.step,
-            bytes_per_body: bytes,
+            bytes_per_body: 0.0,
         })
     }
 }

@@ -14,6 +14,9 @@ const FEW: usize = 16;
 const LEDGER: [&str; 5] =
     ["elastic_energy", "dissipated_viscous", "dissipated_friction", "wall_work", "energy_residual"];
 
+/// Quantities that hard bodies do not have.
+const CONTACTS: [&str; 3] = ["contacts", "coordination_number", "maximum_overlap"];
+
 /// What is measured of a run.
 #[derive(Clone)]
 pub(crate) enum Observable {
@@ -47,6 +50,11 @@ impl Observable {
             Self::Spins => "rad/s",
             Self::Quantity { unit, .. } => unit,
         }
+    }
+
+    /// It is a property of contacts that last.
+    pub fn needs_contacts(&self) -> bool {
+        CONTACTS.contains(&self.name()) || LEDGER.contains(&self.name())
     }
 
     /// Its components at one moment.

@@ -1,11 +1,15 @@
 //! One way to run a scene, as a change of the scene.
 
+use std::path::Path;
+
 use granule_law_api::{Registry, Slot};
 use granule_scene::{
-    Diagnostic, IntegratorChoice, ParameterValue, PrecisionChoice, RunBlock, Scene, Spanned, StepChoice,
-    replace_all, set_field,
+    Diagnostic, IntegratorChoice, LawBlock, ParameterValue, PrecisionChoice, RunBlock, Scene, Spanned,
+    StepChoice, replace_all, set_field,
 };
 use serde::{Deserialize, Serialize};
+
+use crate::hard;
 
 /// Physics that a setting leaves out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,6 +20,38 @@ pub enum Omission {
     Friction,
     /// Gravity.
     Gravity,
+    /// The memory of tangential springs: Coulomb friction instead.
+    History,
+    /// Rolling and torsion laws.
+    Rolling,
+    /// The duration of contacts: hard bodies with the restitutions, friction and contact duration of the laws.
+    Softness,
+}
+
+impl Omission {
+    /// What is left out, in words; empty for nothing.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::None => "",
+            Self::Friction => "no friction",
+            Self::Gravity => "no gravity",
+            Self::History => "no history",
+            Self::Rolling => "no rolling friction",
+            Self::Softness => "hard bodies",
+        }
+    }
+
+    /// The physics that goes; empty for nothing.
+    pub fn physics(self) -> &'static str {
+        match self {
+            Self::None => "",
+            Self::Friction => "friction",
+            Self::Gravity => "gravity",
+            Self::History => "memory of friction",
+            Self::Rolling => "rolling friction",
+            Self::Softness => "soft contacts",
+        }
+    }
 }
 
 /// One way to run a scene.
@@ -36,6 +72,9 @@ pub struct Setting {
 impl Setting {
     /// What the setting is called.
     pub fn label(&self) -> String {
+        if self.without == Omission::Softness {
+            return self.without.words().to_string();
+        }
         let mut label = format!("{} {}", integrator_name(self.integrator), self.steps_per_contact);
         if self.precision == PrecisionChoice::Single {
             label.push_str(" single");
@@ -43,10 +82,8 @@ impl Setting {
         if self.stiffness != 1.0 {
             label.push_str(&format!(" k x {}", self.stiffness));
         }
-        match self.without {
-            Omission::None => {}
-            Omission::Friction => label.push_str(" no friction"),
-            Omission::Gravity => label.push_str(" no gravity"),
+        if self.without != Omission::None {
+            label.push_str(&format!(" {}", self.without.words()));
         }
         label
     }
@@ -57,8 +94,15 @@ impl Setting {
         label.replacen(&format!(" {}", self.steps_per_contact), "", 1)
     }
 
-    /// The scene with this setting, without outputs, running for `duration` \[s\]. `None` if the setting does not apply.
-    pub(crate) fn apply(&self, scene: &Scene, registry: &Registry, duration: f64) -> Option<Scene> {
+    /// The scene with this setting, without outputs, running for `duration` \[s\]; why not, if the setting does not apply.
+    /// `folder` is where the scene lies.
+    pub(crate) fn apply(
+        &self,
+        scene: &Scene,
+        registry: &Registry,
+        folder: &Path,
+        duration: f64,
+    ) -> Result<Scene, String> {
         let mut scene = scene.clone();
         let at = scene.driver.step.span.clone();
         scene.driver.step =
@@ -76,40 +120,91 @@ impl Setting {
                     contact.laws.retain(|(slot, _)| !is_friction(slot));
                 }
             }
+            Omission::Rolling => {
+                for contact in &mut scene.contacts.items {
+                    contact.laws.retain(|(slot, _)| !is_rolling(slot));
+                }
+            }
+            Omission::History => {
+                for (block, law) in forgetful(&scene)?.into_iter().enumerate() {
+                    let laws = &mut scene.contacts.items[block].laws;
+                    for (slot, old) in laws.iter_mut() {
+                        if *slot == "tangential"
+                            && let Some(law) = &law
+                        {
+                            *old = law.clone();
+                        }
+                    }
+                }
+            }
+            Omission::Softness => hard::harden(&mut scene, registry, folder, duration)?,
         }
         if self.stiffness != 1.0 {
             for contact in &mut scene.contacts.items {
                 for (slot, law) in &mut contact.laws {
-                    let entry = registry.get(&law.name.value).ok()?;
+                    let entry = registry.get(&law.name.value).map_err(|error| error.to_string())?;
                     let mut scaled = entry.info.slot != Slot::Normal;
                     for (name, value) in &mut law.parameters {
                         if let Some(power) = stiffness_power(&name.value) {
-                            value.value = scaled_value(&value.value, self.stiffness.powf(power))?;
+                            value.value = scaled_value(&value.value, self.stiffness.powf(power))
+                                .ok_or("a stiffness of it cannot be read")?;
                             scaled |= power == 1.0 || name.value == "contact_duration";
                         }
                     }
                     if !scaled && *slot == "normal" {
-                        return None;
+                        return Err("its stiffness is no parameter of these laws".into());
                     }
                 }
             }
         }
-        Some(scene)
+        Ok(scene)
     }
 }
 
-/// The text of a scene with a setting written into it, comments and everything else as they were. `step` is the time step
-/// that the setting has led to \[s\].
+/// Coulomb friction with the coefficient of the tangential law, for each contact block that has a law with memory.
+fn forgetful(scene: &Scene) -> Result<Vec<Option<LawBlock>>, String> {
+    let mut any = false;
+    let laws = scene
+        .contacts
+        .items
+        .iter()
+        .map(|contact| {
+            let (_, law) = contact.laws.iter().find(|(slot, _)| *slot == "tangential")?;
+            let friction = law.parameters.iter().find(|(name, _)| name.value == "friction")?;
+            let spring = law.name.value == "TangentialSpring";
+            any |= spring;
+            spring.then(|| LawBlock {
+                name: Spanned::new("Coulomb".into(), law.name.span.clone()),
+                parameters: vec![friction.clone()],
+                span: law.span.clone(),
+            })
+        })
+        .collect();
+    if any { Ok(laws) } else { Err("no law of it remembers a tangential displacement".into()) }
+}
+
+/// The text of a scene with a setting written into it, comments and everything else as they were. `folder` is where the
+/// scene lies.
 ///
 /// # Errors
 /// The text has errors, or the setting cannot be written into it.
-pub fn chosen_scene(text: &str, setting: &Setting) -> Result<String, Vec<Diagnostic>> {
+pub fn chosen_scene(
+    text: &str,
+    setting: &Setting,
+    registry: &Registry,
+    folder: &Path,
+) -> Result<String, Vec<Diagnostic>> {
     let parsed = granule_scene::parse(text);
     let Some(scene) = parsed.scene else { return Err(parsed.diagnostics) };
+    if setting.without == Omission::Softness {
+        return hard::write(text, &scene, registry, folder);
+    }
     let mut changes = Vec::new();
     for contact in &scene.contacts.items {
         for (slot, law) in &contact.laws {
-            if setting.without == Omission::Friction && is_friction(slot) {
+            let gone = (setting.without == Omission::Friction && is_friction(slot))
+                || (setting.without == Omission::Rolling && is_rolling(slot));
+            if gone {
                 changes.push((field_span(text, slot, law.span.clone()), String::new()));
                 continue;
             }
@@ -123,6 +218,20 @@ pub fn chosen_scene(text: &str, setting: &Setting) -> Result<String, Vec<Diagnos
                         ParameterValue::Text(words) => format!("{words:?}"),
                     };
                     changes.push((value.span.clone(), words));
+                }
+            }
+        }
+    }
+    if setting.without == Omission::History {
+        let laws = forgetful(&scene).unwrap_or_default();
+        for (contact, law) in scene.contacts.items.iter().zip(laws) {
+            for (slot, old) in &contact.laws {
+                if *slot == "tangential"
+                    && let Some(law) = &law
+                {
+                    changes.retain(|(span, _)| span.start < old.span.start || span.end > old.span.end);
+                    let friction = &text[law.parameters[0].1.span.clone()];
+                    changes.push((old.span.clone(), format!("Coulomb(friction: {friction})")));
                 }
             }
         }
@@ -150,6 +259,10 @@ fn field_span(text: &str, slot: &str, value: std::ops::Range<usize>) -> std::ops
     let blank = rest.len() - rest.trim_start().len();
     let end = if rest[blank..].starts_with(',') { value.end + blank + 1 } else { value.end };
     start..end
+}
+
+fn is_rolling(slot: &str) -> bool {
+    matches!(slot, "rolling" | "torsion")
 }
 
 fn is_friction(slot: &str) -> bool {
@@ -232,15 +345,19 @@ mod tests {
         }
     }
 
+    fn chosen(text: &str, setting: &Setting) -> Result<String, Vec<Diagnostic>> {
+        chosen_scene(text, setting, &Registry::collect().unwrap(), Path::new("."))
+    }
+
     #[test]
     fn a_choice_is_written_into_the_text() {
-        let text = chosen_scene(SCENE, &setting()).unwrap();
+        let text = chosen(SCENE, &setting()).unwrap();
         assert!(text.contains("// grains") && text.contains("contact_duration: \"4e-1 ms\""), "{text}");
         assert!(text.contains("stiffness: 750.0"), "{text}");
         let scene = granule_scene::parse(&text).scene.unwrap();
         assert_eq!(scene.driver.step.value, StepChoice::Auto { steps_per_contact: 40.0 });
         assert_eq!(scene.driver.integrator.unwrap().value, IntegratorChoice::Leapfrog);
-        let smooth = chosen_scene(SCENE, &Setting { without: Omission::Friction, ..setting() }).unwrap();
+        let smooth = chosen(SCENE, &Setting { without: Omission::Friction, ..setting() }).unwrap();
         let scene = granule_scene::parse(&smooth).scene.unwrap();
         assert_eq!(scene.contacts.items[0].laws.len(), 1, "{smooth}");
     }

@@ -184,14 +184,14 @@ pub(crate) fn identity(
 }
 
 /// Runs that are done once and remembered.
-struct Bench<'a> {
-    subject: Subject<'a>,
-    store: Store,
-    stop: &'a AtomicBool,
+pub(crate) struct Bench<'a> {
+    pub subject: Subject<'a>,
+    pub store: Store,
+    pub stop: &'a AtomicBool,
 }
 
 impl Bench<'_> {
-    fn run(&mut self, setting: &Setting, index: u64) -> Result<Sample, TradeError> {
+    pub fn run(&mut self, setting: &Setting, index: u64) -> Result<Sample, TradeError> {
         let plan = self
             .subject
             .realisation(setting, index)
@@ -234,8 +234,10 @@ fn candidates(kind: Kind, gravity: bool, rotation: bool) -> Vec<Setting> {
             settings.push(Setting { stiffness, ..at(steps) });
         }
     }
+    settings.push(Setting { without: Omission::Softness, ..at(40.0) });
     if rotation {
         settings.push(Setting { without: Omission::Friction, ..at(40.0) });
+        settings.push(Setting { without: Omission::History, ..at(40.0) });
     }
     if gravity {
         settings.push(Setting { without: Omission::Gravity, ..at(40.0) });

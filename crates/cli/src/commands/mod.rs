@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+pub mod advise;
 pub mod calibrate;
 pub mod check;
 pub mod explain;

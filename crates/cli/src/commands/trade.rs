@@ -73,12 +73,12 @@ fn study(
         realisations: arguments.runs,
         target: arguments.error,
     };
-    let mut watch = Lines { quiet: arguments.quiet, ..Lines::default() };
+    let mut watch = Lines::new(arguments.quiet);
     let beside = arguments.scene.parent().unwrap_or_else(|| Path::new(""));
     let study = granule::trade::trade(text, beside, &laws, &options, &mut watch, stop);
     watch.end();
     let study = study?;
-    let files = granule::trade::write(&study, text, &directory)?;
+    let files = granule::trade::write(&study, text, &laws, beside, &directory)?;
     Ok((study, files))
 }
 
@@ -88,7 +88,7 @@ fn folder(scene: &Path) -> PathBuf {
 
 /// The progress of a trade.
 #[derive(Default)]
-struct Lines {
+pub(super) struct Lines {
     quiet: bool,
     begin: Option<Instant>,
     bar: Option<progress::Count>,
@@ -110,7 +110,11 @@ impl Watch for Lines {
 }
 
 impl Lines {
-    fn end(&mut self) {
+    pub fn new(quiet: bool) -> Self {
+        Self { quiet, ..Self::default() }
+    }
+
+    pub fn end(&mut self) {
         if let Some(bar) = self.bar.take() {
             bar.end();
         }

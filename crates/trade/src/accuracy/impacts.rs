@@ -1,12 +1,10 @@
 //! Errors of single impacts at every phase of the time step.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
-use granule_drivers::{Driver, TimeStepDriver};
-use granule_law_api::{ContactEnd, Impact, PairContext, Slot, Span};
+use granule_law_api::{ContactEnd, Impact, Slot};
 use granule_plan::{Plan, SingleImpact};
 use granule_reference::Collision;
+
+use crate::single::{Motion, ends, run, sizes};
 
 /// Phases of the step at which the contact begins.
 const PHASES: u32 = 48;
@@ -32,7 +30,7 @@ pub struct Impacts {
 struct Case {
     impact: SingleImpact,
     /// Velocities, and spins times radius, of both bodies after the impact \[m/s\].
-    after: [f64; 12],
+    after: Motion,
     /// Time that the contact takes \[s\].
     duration: f64,
 }
@@ -109,34 +107,8 @@ impl Case {
         let impact = SingleImpact { gap: phase * speed * step, step, ..self.impact };
         // A coarse step may lengthen the contact.
         let steps = (1.5 * self.duration / step).ceil() as u64 + 10;
-        let single = Arc::new(impact.plan(plan, steps));
-        let mut driver = TimeStepDriver::new(single, Some(1)).map_err(|error| error.to_string())?;
-        driver.advance(steps, &AtomicBool::new(false)).map_err(|error| error.to_string())?;
-        let view = driver.view();
-        let radius = 2.0 * self.impact.impact.reduced_radius;
-        let mut worst: f64 = 0.0;
-        for (at, place) in view.order().iter().enumerate() {
-            let velocity = view.bodies().velocity_of(*place as usize);
-            let spin = if plan.rotation { view.bodies().spin_of(*place as usize) } else { [0.0; 3] };
-            for axis in 0..3 {
-                worst = worst.max((velocity[axis] - self.after[6 * at + axis]).abs());
-                worst = worst.max((radius * spin[axis] - self.after[6 * at + 3 + axis]).abs());
-            }
-        }
+        let after = run(plan, &impact, steps)?;
+        let worst = after.iter().zip(&self.after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         Ok(worst / speed)
-    }
-}
-
-fn ends(span: Span) -> Vec<f64> {
-    if span.is_single() { vec![span.max] } else { vec![span.min, span.max] }
-}
-
-/// The lightest with the smallest, the heaviest with the largest.
-fn sizes(context: &PairContext) -> Vec<(f64, f64)> {
-    let (mass, radius) = (context.reduced_mass, context.reduced_radius);
-    if mass.is_single() && radius.is_single() {
-        vec![(mass.max, radius.max)]
-    } else {
-        vec![(mass.min, radius.min), (mass.max, radius.max)]
     }
 }
