@@ -1,23 +1,43 @@
 //! A grid of the shells, to find new neighbours.
 
-const NIL: u32 = u32::MAX;
+use crate::prefetch::prefetch;
 
-/// Bodies by the cell that their shell is centred in, as linked lists.
+const NIL: u32 = u32::MAX;
+/// Bodies that a bucket holds.
+const ROOM: usize = 7;
+/// Lanes of a bucket; the last one of `body` is the next bucket of the same cell.
+const LANES: usize = 8;
+
+/// Bodies of a cell with the centres of their shells, relative to the corner of the grid; not a number in empty lanes.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+struct Bucket {
+    body: [u32; LANES],
+    x: [f32; LANES],
+    y: [f32; LANES],
+    z: [f32; LANES],
+}
+
+const EMPTY: Bucket =
+    Bucket { body: [NIL; LANES], x: [f32::NAN; LANES], y: [f32::NAN; LANES], z: [f32::NAN; LANES] };
+
+/// Bodies by the cell that their shell is centred in.
+///
+/// Centres are kept in single precision and within the box, which brings none of them farther apart than they are, so that
+/// a search finds a few bodies too many and never one too few.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
     lo: [f64; 3],
+    length: [f64; 3],
     inverse_width: [f64; 3],
     count: [usize; 3],
     periodic: [bool; 3],
-    heads: Vec<u32>,
-    links: Vec<Link>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Link {
-    next: u32,
-    previous: u32,
-    cell: u32,
+    /// What single precision may be wrong by \[m\].
+    slack: f64,
+    /// One for each cell, then further ones.
+    buckets: Vec<Bucket>,
+    /// Bucket and lane of each body.
+    slots: Vec<u32>,
 }
 
 impl Cells {
@@ -25,29 +45,32 @@ impl Cells {
     pub fn reset(&mut self, lo: [f64; 3], hi: [f64; 3], periodic: [bool; 3], width: f64, bodies: usize) {
         self.lo = lo;
         self.periodic = periodic;
-        // More cells than bodies cost memory and find nothing sooner.
+        self.length = std::array::from_fn(|axis| hi[axis] - lo[axis]);
+        let longest = self.length.iter().fold(0.0, |l: f64, length| l.max(*length));
+        self.slack = 8.0 * f64::from(f32::EPSILON) * longest;
+        // Many more cells than bodies cost memory and find nothing sooner.
         let mut width = width;
         loop {
             for axis in 0..3 {
-                let length = hi[axis] - lo[axis];
+                let length = self.length[axis];
                 let cells = (length / width).floor().max(1.0).min(1e6);
                 self.count[axis] = cells as usize;
                 self.inverse_width[axis] = if length > 0.0 { cells / length } else { 0.0 };
             }
             let total = self.count.iter().map(|n| *n as f64).product::<f64>();
-            if total <= (2 * bodies).max(64) as f64 {
+            if total <= (bodies / 2).max(64) as f64 {
                 break;
             }
             width *= 1.1;
         }
-        self.heads.clear();
-        self.heads.resize(self.count[0] * self.count[1] * self.count[2], NIL);
-        self.links.clear();
-        self.links.resize(bodies, Link { next: NIL, previous: NIL, cell: NIL });
+        self.buckets.clear();
+        self.buckets.resize(self.count[0] * self.count[1] * self.count[2], EMPTY);
+        self.slots.clear();
+        self.slots.resize(bodies, NIL);
     }
 
     pub fn bytes(&self) -> usize {
-        self.heads.capacity() * size_of::<u32>() + self.links.capacity() * size_of::<Link>()
+        self.buckets.capacity() * size_of::<Bucket>() + self.slots.capacity() * size_of::<u32>()
     }
 
     #[inline]
@@ -59,7 +82,7 @@ impl Cells {
 
     /// Coordinates of the cell of a place, in the box or beyond it.
     #[inline]
-    pub fn coordinates(&self, place: [f64; 3]) -> [usize; 3] {
+    fn coordinates(&self, place: [f64; 3]) -> [usize; 3] {
         std::array::from_fn(|axis| self.coordinate(place[axis], axis))
     }
 
@@ -68,32 +91,88 @@ impl Cells {
         (at[2] * self.count[1] + at[1]) * self.count[0] + at[0]
     }
 
+    /// As the lanes hold it.
+    #[inline]
+    fn within(&self, place: [f64; 3]) -> [f32; 3] {
+        std::array::from_fn(|axis| (place[axis] - self.lo[axis]).min(self.length[axis]).max(0.0) as f32)
+    }
+
     /// Puts a body into the cell of a place.
     pub fn insert(&mut self, body: u32, place: [f64; 3]) {
-        let cell = self.index(self.coordinates(place));
-        let first = std::mem::replace(&mut self.heads[cell], body);
-        self.links[body as usize] = Link { next: first, previous: NIL, cell: cell as u32 };
-        if first != NIL {
-            self.links[first as usize].previous = body;
+        let mut at = self.index(self.coordinates(place));
+        let [x, y, z] = self.within(place);
+        loop {
+            let bucket = &mut self.buckets[at];
+            if let Some(lane) = bucket.body[..ROOM].iter().position(|other| *other == NIL) {
+                bucket.body[lane] = body;
+                (bucket.x[lane], bucket.y[lane], bucket.z[lane]) = (x, y, z);
+                self.slots[body as usize] = (at * LANES + lane) as u32;
+                return;
+            }
+            if bucket.body[ROOM] == NIL {
+                let further = self.buckets.len() as u32;
+                self.buckets[at].body[ROOM] = further;
+                if self.buckets.len() == self.buckets.capacity() {
+                    self.buckets.reserve_exact(self.buckets.len() / 16 + 16);
+                }
+                self.buckets.push(EMPTY);
+            }
+            at = self.buckets[at].body[ROOM] as usize;
         }
     }
 
     /// Takes a body out.
     pub fn remove(&mut self, body: u32) {
-        let Link { next, previous, cell } = self.links[body as usize];
-        if previous == NIL {
-            self.heads[cell as usize] = next;
-        } else {
-            self.links[previous as usize].next = next;
-        }
-        if next != NIL {
-            self.links[next as usize].previous = previous;
-        }
+        let slot = self.slots[body as usize] as usize;
+        let (bucket, lane) = (&mut self.buckets[slot / LANES], slot % LANES);
+        bucket.body[lane] = NIL;
+        (bucket.x[lane], bucket.y[lane], bucket.z[lane]) = (f32::NAN, f32::NAN, f32::NAN);
     }
 
-    /// Calls `visit` for each body in the cells about a place that are no farther than one cell.
-    #[inline(always)]
-    pub fn around(&self, place: [f64; 3], mut visit: impl FnMut(u32)) {
+    /// Collects the bodies whose centres are within `reach` of a place, which is at most the width of a cell, and few beyond.
+    #[inline]
+    pub fn around(&self, place: [f64; 3], reach: f64, found: &mut Vec<u32>) {
+        let at = self.coordinates(place);
+        let here = self.within(place);
+        let limit = (reach + self.slack) as f32;
+        let limit = limit * limit;
+        let period: [f32; 3] =
+            std::array::from_fn(|k| if self.periodic[k] { self.length[k] as f32 } else { f32::INFINITY });
+        let (xs, nx) = self.span(at[0], 0);
+        let (ys, ny) = self.span(at[1], 1);
+        let (zs, nz) = self.span(at[2], 2);
+        let mut count = 0;
+        for &z in &zs[..nz] {
+            for &y in &ys[..ny] {
+                for &x in &xs[..nx] {
+                    let mut next = self.index([x, y, z]);
+                    loop {
+                        let bucket = &self.buckets[next];
+                        let squared = distances(bucket, here, period);
+                        if found.len() < count + LANES {
+                            found.resize(2 * count + 64, NIL);
+                        }
+                        let room = &mut found[count..count + LANES];
+                        let mut more = 0;
+                        for lane in 0..ROOM {
+                            room[more] = bucket.body[lane];
+                            more += usize::from(squared[lane] < limit);
+                        }
+                        count += more;
+                        if bucket.body[ROOM] == NIL {
+                            break;
+                        }
+                        next = bucket.body[ROOM] as usize;
+                    }
+                }
+            }
+        }
+        found.truncate(count);
+    }
+
+    /// Asks for the cells that a search about a place will read.
+    #[inline]
+    pub fn prefetch(&self, place: [f64; 3]) {
         let at = self.coordinates(place);
         let (xs, nx) = self.span(at[0], 0);
         let (ys, ny) = self.span(at[1], 1);
@@ -101,14 +180,18 @@ impl Cells {
         for &z in &zs[..nz] {
             for &y in &ys[..ny] {
                 for &x in &xs[..nx] {
-                    let mut body = self.heads[self.index([x, y, z])];
-                    while body != NIL {
-                        visit(body);
-                        body = self.links[body as usize].next;
-                    }
+                    // Two cache lines.
+                    prefetch(&self.buckets, self.index([x, y, z]));
+                    prefetch(&self.buckets[self.index([x, y, z])].y, 0);
                 }
             }
         }
+    }
+
+    /// Asks for the record that says where a body is.
+    #[inline]
+    pub fn prefetch_slot(&self, body: u32) {
+        prefetch(&self.slots, body as usize);
     }
 
     /// The cell and those beside it along one axis, each once.
@@ -131,6 +214,22 @@ impl Cells {
         }
         (cells, count)
     }
+}
+
+/// Squares of the distances of the bodies in a bucket, of their nearest images.
+#[inline(always)]
+fn distances(bucket: &Bucket, here: [f32; 3], period: [f32; 3]) -> [f32; LANES] {
+    let nearest = |axis: usize, there: f32| {
+        let d = (here[axis] - there).abs();
+        let around = period[axis] - d;
+        if around < d { around } else { d }
+    };
+    let mut squared = [0.0; LANES];
+    for lane in 0..LANES {
+        let (x, y, z) = (nearest(0, bucket.x[lane]), nearest(1, bucket.y[lane]), nearest(2, bucket.z[lane]));
+        squared[lane] = x * x + y * y + z * z;
+    }
+    squared
 }
 
 #[cfg(test)]
@@ -158,16 +257,19 @@ mod tests {
             cells.remove(0);
             for place in &places {
                 let mut found = Vec::new();
-                cells.around(*place, |body| found.push(body));
+                cells.around(*place, width, &mut found);
                 found.sort_unstable();
                 let unique = found.len();
                 found.dedup();
                 prop_assert_eq!(unique, found.len());
                 for (body, other) in places.iter().enumerate().skip(1) {
-                    let near = (0..3).all(|k| {
-                        let d = (place[k] - other[k]).abs();
-                        (if periodic[k] { d.min(2.0 - d) } else { d }) < width
-                    });
+                    let squared: f64 = (0..3)
+                        .map(|k| {
+                            let d = (place[k] - other[k]).abs();
+                            (if periodic[k] { d.min(2.0 - d) } else { d }).powi(2)
+                        })
+                        .sum();
+                    let near = squared.sqrt() < width;
                     prop_assert!(!near || found.contains(&(body as u32)));
                 }
             }

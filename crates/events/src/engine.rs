@@ -7,6 +7,7 @@ use granule_law_api::CollisionRule;
 
 use crate::body::{Body, Identity, Period, Shell};
 use crate::cells::Cells;
+use crate::look_ahead::Ahead;
 use crate::neighbours::Neighbours;
 use crate::plane::PlaneWall;
 use crate::queue::Calendar;
@@ -113,6 +114,12 @@ pub struct EventEngine {
     pub(crate) found: Vec<u32>,
     /// Radius of shells over that of their body.
     pub(crate) margin: f64,
+    /// The largest reach \[m\], and whether all have it.
+    pub(crate) largest_reach: f64,
+    pub(crate) uniform: bool,
+    /// Some bodies pass through each other.
+    pub(crate) selective: bool,
+    pub(crate) ahead: Ahead,
     /// Simulated time at which relative times are zero, and the relative time of the last event.
     pub(crate) epoch: f64,
     pub(crate) now: f64,
@@ -178,6 +185,10 @@ impl EventEngine {
             cells: Cells::default(),
             found: Vec::new(),
             margin: 0.0,
+            largest_reach: 0.0,
+            uniform: false,
+            selective: setup.pairs.iter().any(Option::is_none),
+            ahead: Ahead::default(),
             epoch: 0.0,
             now: 0.0,
             counts: Counts::default(),
@@ -281,6 +292,7 @@ impl EventEngine {
 
     fn step(&mut self) -> Result<(), EventError> {
         let Some((time, body, target)) = self.queue.pop() else { return Ok(()) };
+        self.look_ahead();
         self.now = time;
         self.since += 1;
         if time - self.window.0 > self.contact_duration {

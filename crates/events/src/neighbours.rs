@@ -1,5 +1,7 @@
 //! Neighbours of each body: short lists in blocks of two cache lines.
 
+use crate::prefetch::prefetch;
+
 /// Numbers in a block: a count, the neighbours, and the next block.
 const WORDS: usize = 32;
 /// Neighbours that a block holds.
@@ -11,9 +13,22 @@ const NIL: u32 = u32::MAX;
 #[repr(C, align(64))]
 struct Block([u32; WORDS]);
 
+/// Numbers compared at once.
+const LANES: usize = 8;
+/// Place of each entry; 0 for words that are none.
+const PLACES: [u32; WORDS] = {
+    let mut places = [0; WORDS];
+    let mut k = 1;
+    while k <= ROOM {
+        places[k] = k as u32;
+        k += 1;
+    }
+    places
+};
+
 const EMPTY: Block = {
-    let mut words = [0; WORDS];
-    words[NEXT] = NIL;
+    let mut words = [NIL; WORDS];
+    words[0] = 0;
     Block(words)
 };
 
@@ -23,6 +38,21 @@ pub struct Neighbours {
     /// The first block of each body, then further ones.
     blocks: Vec<Block>,
     bodies: usize,
+    /// Room for comparing lists.
+    old: Vec<u32>,
+    wanted: Vec<u32>,
+}
+
+/// True if a list, as long as some multiple of the lanes, holds a number.
+#[inline]
+fn contains(list: &[u32], number: u32) -> bool {
+    let mut any = 0;
+    for lanes in list.as_chunks::<LANES>().0 {
+        for lane in lanes {
+            any |= u32::from(*lane == number);
+        }
+    }
+    any != 0
 }
 
 impl Neighbours {
@@ -54,6 +84,12 @@ impl Neighbours {
         }
     }
 
+    /// Asks for the first entries of a list.
+    #[inline]
+    pub fn prefetch(&self, body: u32) {
+        prefetch(&self.blocks, body as usize);
+    }
+
     /// Number of neighbours.
     #[cfg(test)]
     pub fn count(&self, body: u32) -> usize {
@@ -82,27 +118,61 @@ impl Neighbours {
             }
             if words[NEXT] == NIL {
                 words[NEXT] = further;
+                if self.blocks.len() == self.blocks.capacity() {
+                    self.blocks.reserve_exact(self.blocks.len() / 16 + 16);
+                }
                 self.blocks.push(EMPTY);
             }
             at = self.blocks[at].0[NEXT] as usize;
         }
     }
 
-    /// Takes a body out of the lists of all its neighbours, and empties its own.
-    pub fn isolate(&mut self, body: u32) {
-        let mut at = body as usize;
-        loop {
-            let count = self.blocks[at].0[0] as usize;
-            for k in 1..=count {
-                let other = self.blocks[at].0[k];
+    /// Gives a body other neighbours. Most are the same as before, whose lists are not touched.
+    pub fn replace(&mut self, body: u32, new: &[u32]) {
+        let mut old = std::mem::take(&mut self.old);
+        old.clear();
+        self.each(body, |other| old.push(other));
+        let mut wanted = std::mem::take(&mut self.wanted);
+        wanted.clear();
+        wanted.extend_from_slice(new);
+        for list in [&mut old, &mut wanted] {
+            list.resize(list.len().next_multiple_of(LANES), NIL);
+        }
+        for &other in &old {
+            if other != NIL && !contains(&wanted, other) {
                 self.remove(other, body);
             }
-            self.blocks[at].0[0] = 0;
+        }
+        for &other in new {
+            if !contains(&old, other) {
+                self.add(other, body);
+            }
+        }
+        self.write(body, new);
+        (self.old, self.wanted) = (old, wanted);
+    }
+
+    /// Writes the list of a body, and nothing into those of the others.
+    fn write(&mut self, body: u32, list: &[u32]) {
+        let mut at = body as usize;
+        let mut left = list;
+        loop {
             let next = self.blocks[at].0[NEXT];
+            let count = left.len().min(ROOM);
+            let (now, later) = left.split_at(count);
+            self.blocks[at] = EMPTY;
+            let words = &mut self.blocks[at].0;
+            words[0] = count as u32;
+            words[1..=count].copy_from_slice(now);
+            words[NEXT] = next;
+            left = later;
             if next == NIL {
-                return;
+                break;
             }
             at = next as usize;
+        }
+        for &other in left {
+            self.add(body, other);
         }
     }
 
@@ -110,9 +180,15 @@ impl Neighbours {
         let mut at = body as usize;
         loop {
             let words = &mut self.blocks[at].0;
-            let count = words[0] as usize;
-            if let Some(k) = words[1..=count].iter().position(|entry| *entry == other) {
-                words[k + 1] = words[count];
+            // Without a branch for each entry; entries that are not in use are of no body.
+            let mut found = 0;
+            for (word, place) in words.iter().zip(PLACES) {
+                found |= if *word == other { place } else { 0 };
+            }
+            if found != 0 {
+                let count = words[0] as usize;
+                words[found as usize] = words[count];
+                words[count] = NIL;
                 words[0] -= 1;
                 return;
             }
@@ -160,11 +236,16 @@ mod tests {
             }
         };
         check(&lists, &pairs);
-        for body in [5, 60, 89] {
-            lists.isolate(body);
+        for (body, step) in [(5, 3), (60, 1), (89, 7), (12, 100)] {
+            let new: Vec<u32> = (0..bodies as u32).step_by(step).filter(|other| *other != body).collect();
+            lists.replace(body, &new);
             pairs.retain(|(a, b)| *a != body && *b != body);
+            pairs.extend(new.iter().map(|other| (body.min(*other), body.max(*other))));
             check(&lists, &pairs);
         }
+        lists.replace(5, &[]);
+        pairs.retain(|(a, b)| *a != 5 && *b != 5);
+        check(&lists, &pairs);
         lists.join(60, 5);
         pairs.insert((5, 60));
         check(&lists, &pairs);

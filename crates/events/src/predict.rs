@@ -29,24 +29,50 @@ impl EventEngine {
         if self.falls {
             self.next_falling(body, (x, v), time, &mut best, &mut partner);
         } else {
-            self.neighbours.each(body, |other| {
-                let record = &self.bodies[other as usize];
-                let dt = time - record.time;
-                let r = self
-                    .period
-                    .nearest(std::array::from_fn(|k| x[k] - (record.position[k] + dt * record.velocity[k])));
-                let w: [f64; 3] = std::array::from_fn(|k| v[k] - record.velocity[k]);
-                if let Some(after) = touch(r, w, radius + record.radius)
-                    && after < best
-                {
-                    (best, partner) = (after, other);
-                }
-            });
+            let (r, limit) = ((x, v, radius), (best, partner));
+            (best, partner) = if self.is_inside(centre) {
+                self.next_straight::<false>(body, r, time, limit)
+            } else {
+                self.next_straight::<true>(body, r, time, limit)
+            };
         }
         if partner < WALLS {
             stamp = self.queue.event(partner).1.count;
         }
         (time + best, partner, stamp)
+    }
+
+    /// The earliest touch of a body that flies straight, as its neighbours do.
+    #[inline(always)]
+    fn next_straight<const WRAP: bool>(
+        &self,
+        body: u32,
+        (x, v, radius): ([f64; 3], [f64; 3], f64),
+        time: f64,
+        (mut best, mut partner): (f64, u32),
+    ) -> (f64, u32) {
+        self.neighbours.each(body, |other| {
+            let record = &self.bodies[other as usize];
+            let dt = time - record.time;
+            let mut r: [f64; 3] =
+                std::array::from_fn(|k| x[k] - (record.position[k] + dt * record.velocity[k]));
+            if WRAP {
+                r = self.period.nearest(r);
+            }
+            let w: [f64; 3] = std::array::from_fn(|k| v[k] - record.velocity[k]);
+            let (b, contact) = (dot(r, w), radius + record.radius);
+            let c = dot(r, r) - contact * contact;
+            // The square of the distance less that of the contact is c + 2 b τ + w² τ².
+            if c + 2.0 * b * best > 0.0 {
+                return;
+            }
+            if let Some(after) = touch(r, w, contact)
+                && after < best
+            {
+                (best, partner) = (after, other);
+            }
+        });
+        (best, partner)
     }
 
     /// As above under gravity, where bodies may also meet frozen ones on curved paths.

@@ -8,6 +8,8 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use crate::prefetch::prefetch;
+
 const NIL: u32 = u32::MAX;
 /// In no list: no event, or in the heap of the current bucket.
 const LOOSE: u32 = u32::MAX;
@@ -190,6 +192,38 @@ impl<P: Copy> Calendar<P> {
             if !self.turn() {
                 return None;
             }
+        }
+    }
+
+    /// Number of the bucket whose events are next.
+    #[inline]
+    pub fn bucket(&self) -> u64 {
+        self.current
+    }
+
+    /// Asks for the first event of a bucket that comes later.
+    #[inline]
+    pub fn prefetch_bucket(&self, number: u64) {
+        let body = self.heads[(number & self.mask) as usize];
+        if body != NIL {
+            prefetch(&self.nodes, body as usize);
+        }
+    }
+
+    /// Asks for the event of a body.
+    #[inline]
+    pub fn prefetch(&self, body: u32) {
+        prefetch(&self.nodes, body as usize);
+    }
+
+    /// Calls `visit` with body, time and payload of the events in a bucket that comes later.
+    #[inline]
+    pub fn each_of(&self, number: u64, mut visit: impl FnMut(u32, f64, P)) {
+        let mut body = self.heads[(number & self.mask) as usize];
+        while body != NIL {
+            let node = &self.nodes[body as usize];
+            visit(body, node.time, node.payload);
+            body = node.next;
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::body::{Body, dot};
 use crate::engine::{EventEngine, Target};
+use crate::look_ahead::Ahead;
 use crate::setup::EventError;
 
 /// Largest and smallest radius of a shell over that of its body.
@@ -31,18 +32,23 @@ impl EventEngine {
         self.sort(lo, hi);
         self.choose_margin(lo, hi);
         let frozen = |engine: &Self, body: usize| engine.identities[body].inverse_mass == 0.0;
-        let mut reach: f64 = 0.0;
+        let (mut reach, mut least) = (0.0f64, f64::INFINITY);
         for body in 0..self.bodies.len() {
             let margin = if frozen(self, body) { 0.0 } else { self.margin };
             let radius = self.bodies[body].radius;
             self.shells[body].reach = radius + margin * radius;
             reach = reach.max(self.shells[body].reach);
+            least = least.min(self.shells[body].reach);
         }
+        (self.largest_reach, self.uniform) = (reach, least == reach);
         self.cells.reset(lo, hi, self.cell.periodic(), 2.0 * reach, self.bodies.len());
         self.neighbours.reset(self.bodies.len());
         for body in 0..self.bodies.len() as u32 {
             self.place(body);
             self.find(body);
+            for &other in &self.found {
+                self.neighbours.join(body, other);
+            }
             self.cells.insert(body, self.shells[body as usize].centre);
             *self.queue.payload_mut(body) = Target::default();
         }
@@ -54,6 +60,7 @@ impl EventEngine {
             times.push(time);
         }
         self.queue.fill(&times);
+        self.ahead = Ahead::default();
     }
 
     /// A body is about to leave its shell: a new one, and new neighbours.
@@ -61,11 +68,22 @@ impl EventEngine {
         self.bring(body, time);
         self.wrap(body);
         self.counts.relisted += 1;
-        self.neighbours.isolate(body);
         self.cells.remove(body);
         self.place(body);
         self.find(body);
+        self.neighbours.replace(body, &self.found);
         self.cells.insert(body, self.shells[body as usize].centre);
+    }
+
+    /// True if a body whose shell has this centre, and all its neighbours, are in the image of the centre.
+    #[inline]
+    pub(crate) fn is_inside(&self, centre: [f64; 3]) -> bool {
+        let lo = self.cell.lo();
+        let length = self.period.length();
+        // To the centre of a neighbour's shell, and from there to the neighbour.
+        let reach = 3.0 * self.largest_reach;
+        (0..3)
+            .all(|k| length[k] == 0.0 || (centre[k] - lo[k] > reach && lo[k] + length[k] - centre[k] > reach))
     }
 
     /// Into the cell, in periodic directions.
@@ -91,29 +109,21 @@ impl EventEngine {
         shell.centre = self.cell.wrap(centre).0;
     }
 
-    /// Makes a body the neighbour of all those in the grid whose shells meet its own.
-    #[inline]
+    /// Finds the bodies in the grid that a body may touch: those whose shells meet its own.
     fn find(&mut self, body: u32) {
         let shell = self.shells[body as usize];
         let frozen = self.identities[body as usize].inverse_mass == 0.0;
-        let selective = self.mixed || frozen || self.pairs.iter().any(Option::is_none);
+        let selective = self.mixed || frozen || self.selective;
         let mut found = std::mem::take(&mut self.found);
-        found.clear();
-        let Self { cells, shells, period, .. } = self;
-        cells.around(shell.centre, |other| {
-            let there = &shells[other as usize];
-            let d = period.nearest(std::array::from_fn(|k| shell.centre[k] - there.centre[k]));
-            let reach = shell.reach + there.reach;
-            if dot(d, d) < reach * reach {
-                found.push(other);
-            }
-        });
-        for &other in &found {
-            let both_frozen = frozen && self.identities[other as usize].inverse_mass == 0.0;
-            if selective && (both_frozen || self.rule_of(body, other).is_none()) {
-                continue;
-            }
-            self.neighbours.join(body, other);
+        self.cells.around(shell.centre, shell.reach + self.largest_reach, &mut found);
+        if selective || !self.uniform {
+            found.retain(|&other| {
+                let there = &self.shells[other as usize];
+                let d = self.period.nearest(std::array::from_fn(|k| shell.centre[k] - there.centre[k]));
+                let reach = shell.reach + there.reach;
+                let both_frozen = frozen && self.identities[other as usize].inverse_mass == 0.0;
+                dot(d, d) < reach * reach && !both_frozen && self.rule_of(body, other).is_some()
+            });
         }
         self.found = found;
     }
@@ -183,10 +193,11 @@ impl EventEngine {
         if count < 32.0 {
             margin = margin.max(1.0);
         }
-        // One image of each pair: reaches stay below half a period.
+        // Bodies whose shells meet are no farther from each other than 2 R + 4 m R, of which half a period must be more: the
+        // nearest image is then the one that they may touch.
         for period in self.period.length() {
             if period > 0.0 {
-                margin = margin.min((0.249 * period / largest - 1.0).max(0.0));
+                margin = margin.min((0.124 * period / largest - 0.5).max(1e-3));
             }
         }
         self.margin = margin;

@@ -48,6 +48,12 @@ proptest! {
     }
 }
 
+/// Two of these bodies set out a little less than half a period apart and meet across the boundary.
+#[test]
+fn the_image_of_a_pair_is_the_one_that_touches() {
+    agrees_with_brute_force(5614179634286245268, 0.16750865082094785, Plain::smooth(0.5), false);
+}
+
 #[test]
 fn no_two_spheres_overlap_and_the_same_run_gives_the_same_bits() {
     let setup = gas(5, 0.45, Plain::smooth(1.0), 0.0, 11);

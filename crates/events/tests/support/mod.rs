@@ -212,3 +212,73 @@ impl Brute {
         collisions
     }
 }
+
+/// The elastic fluid of 4 n³ unit spheres in equilibrium. Dense ones are grown: the crystal that they would start from does
+/// not melt by itself.
+pub fn fluid(n: usize, phi: f64, seed: u64) -> Setup {
+    const MELTS: f64 = 0.3;
+    let mut setup = gas(n, phi.min(MELTS), Plain::smooth(1.0), 0.0, seed);
+    run(&mut setup, 15.0);
+    if phi > MELTS {
+        let shrink = (MELTS / phi).cbrt();
+        let side = setup.cell.period()[0] * shrink;
+        setup.cell = Cell::new([0.0; 3], [side; 3], [true; 3]).unwrap();
+        for body in &mut setup.bodies {
+            body.position = body.position.map(|x| x * shrink);
+            body.radius *= shrink * (1.0 - 1e-12);
+        }
+        // Each grows as far as the others let it, and moves on.
+        while grow(&mut setup, 0.5) {
+            run(&mut setup, 1.0);
+        }
+        run(&mut setup, 15.0);
+    }
+    setup
+}
+
+/// Advances by that many collisions a body.
+fn run(setup: &mut Setup, per_body: f64) {
+    let mut engine = engine(setup);
+    engine.advance_collisions((0.5 * per_body * setup.bodies.len() as f64) as u64).unwrap();
+    for (body, state) in setup.bodies.iter_mut().zip(engine.states(engine.time())) {
+        (body.position, body.velocity) = (state.position, state.velocity);
+    }
+}
+
+/// Radii as large as there is room, `radius` at most. True if some are still smaller.
+fn grow(setup: &mut Setup, radius: f64) -> bool {
+    let side = setup.cell.period()[0];
+    let cells = (side / (2.0 * radius)).floor() as usize;
+    let cell = |position: [f64; 3]| position.map(|x| ((x / side * cells as f64) as usize).min(cells - 1));
+    let index = |c: [usize; 3]| (c[2] * cells + c[1]) * cells + c[0];
+    let mut grid = vec![Vec::new(); cells.pow(3)];
+    for (body, input) in setup.bodies.iter().enumerate() {
+        grid[index(cell(input.position))].push(body);
+    }
+    let mut small = false;
+    for body in 0..setup.bodies.len() {
+        let at = setup.bodies[body].position;
+        let mut room = radius;
+        for near in 0..27 {
+            let offset = [near % 3, near / 3 % 3, near / 9];
+            let home = cell(at);
+            let there = std::array::from_fn(|k| (home[k] + offset[k] + cells - 1) % cells);
+            for &other in &grid[index(there)] {
+                if other != body {
+                    let b = &setup.bodies[other];
+                    let squared: f64 = (0..3)
+                        .map(|k| {
+                            let d = at[k] - b.position[k];
+                            (d - side * (d / side).round()).powi(2)
+                        })
+                        .sum();
+                    room = room.min((squared.sqrt() - b.radius) * (1.0 - 1e-12));
+                }
+            }
+        }
+        let grown = room.max(setup.bodies[body].radius);
+        setup.bodies[body].radius = grown;
+        small |= grown < radius;
+    }
+    small
+}
