@@ -25,7 +25,9 @@ fn main() {
         return;
     };
     let tuning = match given[..] {
-        [_, _, _, _, neighbours, ahead, renumber_every] => Some(Tuning { neighbours, ahead, renumber_every }),
+        [_, _, _, _, neighbours, ahead, renumber_every] => {
+            Some(Tuning { neighbours, ahead: Some(ahead), renumber_every })
+        }
         _ => None,
     };
     measure(n, phi, e, collisions, tuning, snapshot.as_deref());

@@ -1,5 +1,7 @@
 //! Records of bodies, compact and aligned to cache lines.
 
+use crate::two::Two;
+
 /// What every prediction reads: one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
@@ -12,6 +14,30 @@ pub struct Body {
     pub velocity: [f64; 3],
     /// Radius \[m\].
     pub radius: f64,
+}
+
+/// Two bodies side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Twins {
+    pub position: [Two; 3],
+    pub time: Two,
+    pub velocity: [Two; 3],
+    pub radius: Two,
+}
+
+impl Twins {
+    #[inline(always)]
+    pub fn new(a: &Body, b: &Body) -> Self {
+        let zip = |first: [f64; 2], second: [f64; 2]| {
+            Two::new(first[0], first[1]).zip(Two::new(second[0], second[1]))
+        };
+        let (p, q, v, w) = (a.position, b.position, a.velocity, b.velocity);
+        let (x, y) = zip([p[0], p[1]], [q[0], q[1]]);
+        let (z, time) = zip([p[2], a.time], [q[2], b.time]);
+        let (u, v_y) = zip([v[0], v[1]], [w[0], w[1]]);
+        let (v_z, radius) = zip([v[2], a.radius], [w[2], b.radius]);
+        Self { position: [x, y, z], time, velocity: [u, v_y, v_z], radius }
+    }
 }
 
 /// What only collisions and outputs read.
@@ -54,6 +80,12 @@ pub struct Period {
 impl Period {
     pub fn new(length: [f64; 3]) -> Self {
         Self { length, half: length.map(|l| if l > 0.0 { 0.5 * l } else { f64::INFINITY }) }
+    }
+
+    /// [`nearest`](Self::nearest) of two separations.
+    #[inline(always)]
+    pub fn nearest_of_two(&self, d: [Two; 3]) -> [Two; 3] {
+        std::array::from_fn(|axis| d[axis].nearest(self.half[axis], self.length[axis]))
     }
 
     pub fn length(&self) -> [f64; 3] {

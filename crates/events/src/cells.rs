@@ -1,6 +1,7 @@
 //! A grid of the shells, to find new neighbours.
 
 use crate::prefetch::prefetch;
+use crate::two::below;
 
 const NIL: u32 = u32::MAX;
 /// Bodies that a bucket holds.
@@ -130,10 +131,20 @@ impl Cells {
     }
 
     /// Collects the bodies whose centres are within `reach` of a place, which is at most the width of a cell, and few beyond.
-    #[inline]
     pub fn around(&self, place: [f64; 3], reach: f64, found: &mut Vec<u32>) {
+        found.clear();
+        // A cell beside itself, or beside another on both sides, holds bodies of more than one image.
+        if (0..3).any(|axis| self.periodic[axis] && self.count[axis] < 3) {
+            self.collect::<true>(place, reach, found);
+        } else {
+            self.collect::<false>(place, reach, found);
+        }
+    }
+
+    #[inline(always)]
+    fn collect<const IMAGES: bool>(&self, place: [f64; 3], reach: f64, found: &mut Vec<u32>) {
         let at = self.coordinates(place);
-        let here = self.within(place);
+        let [x, y, z] = self.within(place);
         let limit = (reach + self.slack) as f32;
         let limit = limit * limit;
         let period: [f32; 3] =
@@ -141,24 +152,18 @@ impl Cells {
         let (xs, nx) = self.span(at[0], 0);
         let (ys, ny) = self.span(at[1], 1);
         let (zs, nz) = self.span(at[2], 2);
-        let mut count = 0;
-        for &z in &zs[..nz] {
-            for &y in &ys[..ny] {
-                for &x in &xs[..nx] {
-                    let mut next = self.index([x, y, z]);
+        for &(c_z, shift_z) in &zs[..nz] {
+            for &(c_y, shift_y) in &ys[..ny] {
+                for &(c_x, shift_x) in &xs[..nx] {
+                    let here = [x + shift_x, y + shift_y, z + shift_z];
+                    let mut next = self.index([c_x, c_y, c_z]);
                     loop {
                         let bucket = &self.buckets[next];
-                        let squared = distances(bucket, here, period);
-                        if found.len() < count + LANES {
-                            found.resize(2 * count + 64, NIL);
+                        let mut near = below(&distances::<IMAGES>(bucket, here, period), limit);
+                        while near != 0 {
+                            found.push(bucket.body[near.trailing_zeros() as usize & 7]);
+                            near &= near - 1;
                         }
-                        let room = &mut found[count..count + LANES];
-                        let mut more = 0;
-                        for lane in 0..ROOM {
-                            room[more] = bucket.body[lane];
-                            more += usize::from(squared[lane] < limit);
-                        }
-                        count += more;
                         if bucket.body[ROOM] == NIL {
                             break;
                         }
@@ -167,7 +172,6 @@ impl Cells {
                 }
             }
         }
-        found.truncate(count);
     }
 
     /// Asks for the cells that a search about a place will read.
@@ -177,9 +181,9 @@ impl Cells {
         let (xs, nx) = self.span(at[0], 0);
         let (ys, ny) = self.span(at[1], 1);
         let (zs, nz) = self.span(at[2], 2);
-        for &z in &zs[..nz] {
-            for &y in &ys[..ny] {
-                for &x in &xs[..nx] {
+        for &(z, _) in &zs[..nz] {
+            for &(y, _) in &ys[..ny] {
+                for &(x, _) in &xs[..nx] {
                     // Two cache lines.
                     prefetch(&self.buckets, self.index([x, y, z]));
                     prefetch(&self.buckets[self.index([x, y, z])].y, 0);
@@ -194,39 +198,43 @@ impl Cells {
         prefetch(&self.slots, body as usize);
     }
 
-    /// The cell and those beside it along one axis, each once.
+    /// The cell and those beside it along one axis, each once, with what brings a place into the image of the cell.
     #[inline]
-    fn span(&self, at: usize, axis: usize) -> ([usize; 3], usize) {
+    fn span(&self, at: usize, axis: usize) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
-        let mut cells = [at, 0, 0];
+        let mut cells = [(at, 0.0); 3];
         let mut count = 1;
         if n == 1 {
             return (cells, 1);
         }
-        let periodic = self.periodic[axis];
-        if at > 0 || (periodic && n > 2) {
-            cells[count] = if at > 0 { at - 1 } else { n - 1 };
+        let around = self.periodic[axis] && n > 2;
+        let period = if around { self.length[axis] as f32 } else { 0.0 };
+        if at > 0 || around {
+            cells[count] = if at > 0 { (at - 1, 0.0) } else { (n - 1, period) };
             count += 1;
         }
-        if at + 1 < n || (periodic && n > 2) {
-            cells[count] = if at + 1 < n { at + 1 } else { 0 };
+        if at + 1 < n || around {
+            cells[count] = if at + 1 < n { (at + 1, 0.0) } else { (0, -period) };
             count += 1;
         }
         (cells, count)
     }
 }
 
-/// Squares of the distances of the bodies in a bucket, of their nearest images.
+/// Squares of the distances of the bodies in a bucket; of their nearest images if asked for.
 #[inline(always)]
-fn distances(bucket: &Bucket, here: [f32; 3], period: [f32; 3]) -> [f32; LANES] {
-    let nearest = |axis: usize, there: f32| {
-        let d = (here[axis] - there).abs();
-        let around = period[axis] - d;
+fn distances<const IMAGES: bool>(bucket: &Bucket, here: [f32; 3], period: [f32; 3]) -> [f32; LANES] {
+    let along = |axis: usize, there: f32| {
+        let d = here[axis] - there;
+        if !IMAGES {
+            return d;
+        }
+        let (d, around) = (d.abs(), period[axis] - d.abs());
         if around < d { around } else { d }
     };
     let mut squared = [0.0; LANES];
     for lane in 0..LANES {
-        let (x, y, z) = (nearest(0, bucket.x[lane]), nearest(1, bucket.y[lane]), nearest(2, bucket.z[lane]));
+        let (x, y, z) = (along(0, bucket.x[lane]), along(1, bucket.y[lane]), along(2, bucket.z[lane]));
         squared[lane] = x * x + y * y + z * z;
     }
     squared

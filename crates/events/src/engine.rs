@@ -30,10 +30,10 @@ const STALL: (u64, u64) = (1000, 1_000_000);
 pub(crate) struct Target {
     /// Body, wall, or one of the constants above.
     pub partner: u32,
-    /// Collisions of the partner when this was predicted.
-    pub stamp: u32,
-    /// Collisions of the body itself.
-    pub count: u32,
+    /// Number of the event at which this was predicted.
+    pub made: u32,
+    /// Number of the event at which the body itself last collided.
+    pub changed: u32,
 }
 
 /// A rule, and whether it needs spins.
@@ -48,15 +48,16 @@ pub(crate) struct Rule {
 pub struct Tuning {
     /// Wanted number of neighbours in a list.
     pub neighbours: f64,
-    /// How far shells are centred ahead of their body, as a share of their radius, below 1.
-    pub ahead: f64,
+    /// How far shells are centred ahead of their body, as a share of their radius, below 1; `None` lets the mean free path
+    /// decide.
+    pub ahead: Option<f64>,
     /// Events a body between two renumberings.
     pub renumber_every: f64,
 }
 
 impl Default for Tuning {
     fn default() -> Self {
-        Self { neighbours: 14.0, ahead: 0.3, renumber_every: 100.0 }
+        Self { neighbours: 11.0, ahead: None, renumber_every: 100.0 }
     }
 }
 
@@ -114,6 +115,8 @@ pub struct EventEngine {
     pub(crate) found: Vec<u32>,
     /// Radius of shells over that of their body.
     pub(crate) margin: f64,
+    /// How far they are centred ahead, as a share of their own radius.
+    pub(crate) lead: f64,
     /// The largest reach \[m\], and whether all have it.
     pub(crate) largest_reach: f64,
     pub(crate) uniform: bool,
@@ -185,6 +188,7 @@ impl EventEngine {
             cells: Cells::default(),
             found: Vec::new(),
             margin: 0.0,
+            lead: 0.0,
             largest_reach: 0.0,
             uniform: false,
             selective: setup.pairs.iter().any(Option::is_none),
@@ -260,7 +264,8 @@ impl EventEngine {
     /// # Errors
     /// [`EventError::NotFinite`] and [`EventError::Stalled`].
     pub fn advance(&mut self, until: f64, most: u64) -> Result<bool, EventError> {
-        let every = (self.tuning.renumber_every * self.bodies.len() as f64).max(10_000.0) as u64;
+        // Events are numbered anew each time, in 32 bits.
+        let every = (self.tuning.renumber_every * self.bodies.len() as f64).max(10_000.0).min(4e9) as u64;
         for _ in 0..most {
             if self.since >= every {
                 self.renumber();
@@ -314,7 +319,7 @@ impl EventEngine {
                 self.hit_wall(body, (wall - WALLS) as usize, time)?;
                 self.predict(body, time);
             }
-            other if self.queue.event(other).1.count != target.stamp => {
+            other if self.queue.event(other).1.changed > target.made => {
                 self.counts.void += 1;
                 self.predict(body, time);
             }
@@ -401,9 +406,10 @@ impl EventEngine {
     /// Gives a body its next event.
     #[inline]
     fn predict(&mut self, body: u32, time: f64) {
-        let (event, partner, stamp) = self.next(body, time);
+        let (event, partner) = self.next(body, time);
+        let made = self.since as u32;
         let target = self.queue.payload_mut(body);
-        (target.partner, target.stamp) = (partner, stamp);
+        (target.partner, target.made) = (partner, made);
         self.queue.schedule(body, event);
     }
 

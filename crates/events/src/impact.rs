@@ -153,8 +153,7 @@ impl EventEngine {
         if let Some(last) = self.last.get_mut(body) {
             *last = time;
         }
-        let target = self.queue.payload_mut(body as u32);
-        target.count = target.count.wrapping_add(1);
+        self.queue.payload_mut(body as u32).changed = self.since as u32;
         Ok(())
     }
 }

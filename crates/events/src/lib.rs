@@ -17,6 +17,7 @@ mod queue;
 mod renumber;
 mod report;
 mod setup;
+mod two;
 
 pub use engine::{BodyState, EventEngine, Tuning};
 pub use report::{Counts, HARD_LIMIT};

@@ -40,9 +40,9 @@ impl EventEngine {
         while done[2] < now + LEADS[2] {
             done[2] += 1;
             self.queue.each_of(done[2], |body, time, target| {
-                self.neighbours.each(body, |other| prefetch(&self.bodies, other as usize));
+                self.ask_for_neighbours(body);
                 if target.partner < WALLS {
-                    self.neighbours.each(target.partner, |other| prefetch(&self.bodies, other as usize));
+                    self.ask_for_neighbours(target.partner);
                 } else if target.partner == SHELL {
                     self.neighbours.each(body, |other| self.neighbours.prefetch(other));
                     self.cells.prefetch(self.at(body, time).0);
@@ -52,6 +52,13 @@ impl EventEngine {
         self.ahead.0 = done;
     }
 
+    #[inline]
+    fn ask_for_neighbours(&self, body: u32) {
+        self.neighbours.prefetch_rest(body);
+        self.neighbours.each(body, |other| prefetch(&self.bodies, other as usize));
+    }
+
+    #[inline]
     fn ask_for(&self, body: u32) {
         prefetch(&self.bodies, body as usize);
         prefetch(&self.identities, body as usize);

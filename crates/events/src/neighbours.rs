@@ -2,11 +2,14 @@
 
 use crate::prefetch::prefetch;
 
-/// Numbers in a block: a count, the neighbours, and the next block.
+/// Numbers in a block: a count, the next block, and the neighbours.
 const WORDS: usize = 32;
-/// Neighbours that a block holds.
-const ROOM: usize = WORDS - 2;
-const NEXT: usize = WORDS - 1;
+const NEXT: usize = 1;
+/// Place of the first neighbour.
+const FIRST: usize = 2;
+/// Neighbours that a block holds, and those of them that are in its first cache line.
+const ROOM: usize = WORDS - FIRST;
+const ROOM_OF_LINE: usize = WORDS / 2 - FIRST;
 const NIL: u32 = u32::MAX;
 
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +21,8 @@ const LANES: usize = 8;
 /// Place of each entry; 0 for words that are none.
 const PLACES: [u32; WORDS] = {
     let mut places = [0; WORDS];
-    let mut k = 1;
-    while k <= ROOM {
+    let mut k = FIRST;
+    while k < WORDS {
         places[k] = k as u32;
         k += 1;
     }
@@ -41,6 +44,26 @@ pub struct Neighbours {
     /// Room for comparing lists.
     old: Vec<u32>,
     wanted: Vec<u32>,
+}
+
+/// The slices of a list.
+pub struct Lists<'a> {
+    blocks: &'a [Block],
+    next: u32,
+}
+
+impl<'a> Iterator for Lists<'a> {
+    type Item = &'a [u32];
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<&'a [u32]> {
+        if self.next == NIL {
+            return None;
+        }
+        let Block(words) = &self.blocks[self.next as usize];
+        self.next = words[NEXT];
+        Some(&words[FIRST..FIRST + (words[0] as usize).min(ROOM)])
+    }
 }
 
 /// True if a list, as long as some multiple of the lanes, holds a number.
@@ -67,24 +90,32 @@ impl Neighbours {
         self.blocks.capacity() * size_of::<Block>()
     }
 
+    /// The neighbours of a body, in one or more slices.
+    #[inline(always)]
+    pub fn lists(&self, body: u32) -> Lists<'_> {
+        Lists { blocks: &self.blocks, next: body }
+    }
+
     /// Calls `visit` for each neighbour.
     #[inline(always)]
     pub fn each(&self, body: u32, mut visit: impl FnMut(u32)) {
-        let mut at = body;
-        loop {
-            let Block(words) = &self.blocks[at as usize];
-            let count = words[0] as usize;
-            for &other in &words[1..=count.min(ROOM)] {
+        for list in self.lists(body) {
+            for &other in list {
                 visit(other);
-            }
-            at = words[NEXT];
-            if at == NIL {
-                return;
             }
         }
     }
 
-    /// Asks for the first entries of a list.
+    /// Asks for the second cache line of a list whose first one is there, if it is in use.
+    #[inline]
+    pub fn prefetch_rest(&self, body: u32) {
+        let block = &self.blocks[body as usize].0;
+        if block[0] as usize > ROOM_OF_LINE {
+            prefetch(block, WORDS / 2);
+        }
+    }
+
+    /// Asks for the first cache line of a list.
     #[inline]
     pub fn prefetch(&self, body: u32) {
         prefetch(&self.blocks, body as usize);
@@ -113,7 +144,7 @@ impl Neighbours {
             let count = words[0] as usize;
             if count < ROOM {
                 words[0] += 1;
-                words[count + 1] = other;
+                words[FIRST + count] = other;
                 return;
             }
             if words[NEXT] == NIL {
@@ -163,7 +194,7 @@ impl Neighbours {
             self.blocks[at] = EMPTY;
             let words = &mut self.blocks[at].0;
             words[0] = count as u32;
-            words[1..=count].copy_from_slice(now);
+            words[FIRST..FIRST + count].copy_from_slice(now);
             words[NEXT] = next;
             left = later;
             if next == NIL {
@@ -186,9 +217,9 @@ impl Neighbours {
                 found |= if *word == other { place } else { 0 };
             }
             if found != 0 {
-                let count = words[0] as usize;
-                words[found as usize] = words[count];
-                words[count] = NIL;
+                let last = FIRST + words[0] as usize - 1;
+                words[found as usize] = words[last];
+                words[last] = NIL;
                 words[0] -= 1;
                 return;
             }

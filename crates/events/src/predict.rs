@@ -1,16 +1,17 @@
 //! The earliest event of a body.
 
-use crate::body::{Shell, dot};
+use crate::body::{Shell, Twins, dot};
 use crate::engine::{AGAIN, EventEngine, SHELL, WALLS};
 use crate::flight::{Root, leave, leave_falling, safe_root, touch};
 use crate::plane::Reach;
+use crate::two::Two;
 
 impl EventEngine {
-    /// Relative time, partner and the partner's number of collisions.
+    /// Relative time and partner.
     #[inline]
-    pub(crate) fn next(&self, body: u32, time: f64) -> (f64, u32, u32) {
+    pub(crate) fn next(&self, body: u32, time: f64) -> (f64, u32) {
         if self.identities[body as usize].inverse_mass == 0.0 {
-            return (f64::INFINITY, SHELL, 0);
+            return (f64::INFINITY, SHELL);
         }
         let (x, v) = self.at(body, time);
         let radius = self.bodies[body as usize].radius;
@@ -25,7 +26,6 @@ impl EventEngine {
         if !self.walls.is_empty() {
             (best, partner) = self.next_wall(body, (x, v), radius, time, best);
         }
-        let mut stamp = 0;
         if self.falls {
             self.next_falling(body, (x, v), time, &mut best, &mut partner);
         } else {
@@ -36,10 +36,7 @@ impl EventEngine {
                 self.next_straight::<true>(body, r, time, limit)
             };
         }
-        if partner < WALLS {
-            stamp = self.queue.event(partner).1.count;
-        }
-        (time + best, partner, stamp)
+        (time + best, partner)
     }
 
     /// The earliest touch of a body that flies straight, as its neighbours do.
@@ -51,28 +48,59 @@ impl EventEngine {
         time: f64,
         (mut best, mut partner): (f64, u32),
     ) -> (f64, u32) {
-        self.neighbours.each(body, |other| {
-            let record = &self.bodies[other as usize];
-            let dt = time - record.time;
-            let mut r: [f64; 3] =
-                std::array::from_fn(|k| x[k] - (record.position[k] + dt * record.velocity[k]));
-            if WRAP {
-                r = self.period.nearest(r);
+        let (x2, v2) = (x.map(Two::both), v.map(Two::both));
+        let (time2, radius2, zero) = (Two::both(time), Two::both(radius), Two::both(0.0));
+        let mut twice_best = Two::both(2.0 * best);
+        for list in self.neighbours.lists(body) {
+            let (twos, odd) = list.as_chunks::<2>();
+            let odd = odd.first().map(|one| [*one, *one]);
+            for &[one, two] in twos.iter().chain(&odd) {
+                let others = Twins::new(&self.bodies[one as usize], &self.bodies[two as usize]);
+                let dt = time2 - others.time;
+                let mut r: [Two; 3] =
+                    std::array::from_fn(|k| x2[k] - (others.position[k] + dt * others.velocity[k]));
+                if WRAP {
+                    r = self.period.nearest_of_two(r);
+                }
+                let w: [Two; 3] = std::array::from_fn(|k| v2[k] - others.velocity[k]);
+                let b = r[0] * w[0] + r[1] * w[1] + r[2] * w[2];
+                let contact = radius2 + others.radius;
+                let c = r[0] * r[0] + r[1] * r[1] + r[2] * r[2] - contact * contact;
+                // The square of the distance less that of the contact is c + 2 b τ + w² τ²: most neighbours are too far
+                // away to be met before something else happens.
+                let far = (c + twice_best * b).greater(zero);
+                if far == 3 {
+                    continue;
+                }
+                for (lane, other) in [one, two].into_iter().enumerate() {
+                    if far >> lane & 1 == 0
+                        && let Some(after) = self.meet::<WRAP>(other, (x, v, radius), time)
+                        && after < best
+                    {
+                        (best, partner) = (after, other);
+                        twice_best = Two::both(2.0 * best);
+                    }
+                }
             }
-            let w: [f64; 3] = std::array::from_fn(|k| v[k] - record.velocity[k]);
-            let (b, contact) = (dot(r, w), radius + record.radius);
-            let c = dot(r, r) - contact * contact;
-            // The square of the distance less that of the contact is c + 2 b τ + w² τ².
-            if c + 2.0 * b * best > 0.0 {
-                return;
-            }
-            if let Some(after) = touch(r, w, contact)
-                && after < best
-            {
-                (best, partner) = (after, other);
-            }
-        });
+        }
         (best, partner)
+    }
+
+    /// After what time a body that flies straight touches another one.
+    #[inline]
+    fn meet<const WRAP: bool>(
+        &self,
+        other: u32,
+        (x, v, radius): ([f64; 3], [f64; 3], f64),
+        time: f64,
+    ) -> Option<f64> {
+        let record = &self.bodies[other as usize];
+        let dt = time - record.time;
+        let mut r: [f64; 3] = std::array::from_fn(|k| x[k] - (record.position[k] + dt * record.velocity[k]));
+        if WRAP {
+            r = self.period.nearest(r);
+        }
+        touch(r, std::array::from_fn(|k| v[k] - record.velocity[k]), radius + record.radius)
     }
 
     /// As above under gravity, where bodies may also meet frozen ones on curved paths.

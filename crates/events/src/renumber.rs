@@ -54,9 +54,8 @@ impl EventEngine {
         }
         let mut times = Vec::with_capacity(self.bodies.len());
         for body in 0..self.bodies.len() as u32 {
-            let (time, partner, stamp) = self.next(body, 0.0);
-            let target = self.queue.payload_mut(body);
-            (target.partner, target.stamp) = (partner, stamp);
+            let (time, partner) = self.next(body, 0.0);
+            self.queue.payload_mut(body).partner = partner;
             times.push(time);
         }
         self.queue.fill(&times);
@@ -104,7 +103,7 @@ impl EventEngine {
         let Body { position, velocity, radius, .. } = self.bodies[body as usize];
         let shell = &mut self.shells[body as usize];
         let speed = dot(velocity, velocity).sqrt();
-        let lead = if speed > 0.0 { self.tuning.ahead * (shell.reach - radius) / speed } else { 0.0 };
+        let lead = if speed > 0.0 { self.lead * (shell.reach - radius) / speed } else { 0.0 };
         let centre = std::array::from_fn(|k| position[k] + lead * velocity[k]);
         shell.centre = self.cell.wrap(centre).0;
     }
@@ -201,6 +200,12 @@ impl EventEngine {
             }
         }
         self.margin = margin;
+        // Who flies far without a collision crosses its shell from one end to the other.
+        let phi = filled.min(0.6).max(1e-9);
+        let contact_value = (1.0 - 0.5 * phi) / (1.0 - phi).powi(3);
+        let free_path = 1.0 / (3.0 * std::f64::consts::SQRT_2 * phi * contact_value);
+        let share = free_path / (free_path + 0.5 * margin);
+        self.lead = self.tuning.ahead.unwrap_or(if share.is_finite() { share.min(0.85) } else { 0.0 });
     }
 
     /// Refuses bodies that overlap by more than round-off.

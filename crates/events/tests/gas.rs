@@ -175,8 +175,8 @@ fn neither_lists_nor_renumbering_change_the_physics() {
     let setup = gas(4, 0.3, Plain::smooth(0.9), 1e-9, 23);
     let tunings = [
         Tuning::default(),
-        Tuning { neighbours: 30.0, ahead: 0.0, renumber_every: 1e9 },
-        Tuning { neighbours: 7.0, ahead: 0.9, renumber_every: 20.0 },
+        Tuning { neighbours: 30.0, ahead: Some(0.0), renumber_every: 1e9 },
+        Tuning { neighbours: 7.0, ahead: Some(0.9), renumber_every: 20.0 },
     ];
     let results: Vec<_> = tunings
         .iter()
