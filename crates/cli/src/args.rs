@@ -9,7 +9,7 @@ Exit codes:
   0    done
   1    the scene has errors or cannot be read, or there is no such law
   2    the command line is wrong
-  3    the run failed: a number is no longer finite, or an output cannot be written
+  3    the run failed: a number is no longer finite, an output cannot be written, or a self-test fails
   130  stopped by Ctrl-C or a termination signal; what was written is whole";
 
 /// Granular matter, simulated grain by grain.
@@ -57,6 +57,8 @@ pub enum Command {
     },
     /// Fit restitution, friction and tangential restitution to measured impacts
     Calibrate(CalibrateArguments),
+    /// Run scenes at the extremes of their parameters and check the answers
+    Selftest(SelftestArguments),
     /// Print a completion script for a shell
     Completions {
         /// Shell
@@ -124,6 +126,19 @@ pub struct RunArguments {
     /// Replace outputs of another scene in the output folder
     #[arg(long)]
     pub force: bool,
+}
+
+/// `granule selftest`.
+#[derive(Debug, clap::Args)]
+pub struct SelftestArguments {
+    /// Only these extremes
+    pub names: Vec<String>,
+    /// Those that take minutes, too
+    #[arg(long, conflicts_with = "names")]
+    pub all: bool,
+    /// Name the extremes and run none
+    #[arg(long)]
+    pub list: bool,
 }
 
 /// `granule trade`.

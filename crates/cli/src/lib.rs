@@ -23,6 +23,7 @@ pub fn main() -> ExitCode {
         Command::Advise(arguments) => commands::advise::advise(&arguments),
         Command::Law { command: LawCommand::Check { scene, speed } } => commands::law::check(&scene, speed),
         Command::Calibrate(arguments) => commands::calibrate::calibrate(&arguments),
+        Command::Selftest(arguments) => commands::selftest::selftest(&arguments),
         Command::Laws { name, example } => commands::laws::laws(name.as_deref(), example),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -41,6 +41,7 @@ mod load;
 mod progress;
 mod record;
 mod run;
+mod selftest;
 
 pub use calibrate::{CalibrateError, calibrate};
 pub use directory::{DirectoryError, default_directory};
@@ -51,6 +52,7 @@ pub use law_check::{Figures, LawCheck, law_check};
 pub use load::{LoadError, Loaded, Source, laws, load, load_text, load_without_wish, measured_again};
 pub use progress::{Outlook, Progress, Silent, Status};
 pub use run::{Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};
+pub use selftest::{SelftestResult, selftest, selftest_names};
 
 /// The crates behind this one, for whoever needs more of them than the [`prelude`] has.
 pub mod parts {

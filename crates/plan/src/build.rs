@@ -133,6 +133,7 @@ impl Builder<'_> {
         schedule::driver(self, &mut plan, judged)?;
         if judged && self.errors() == 0 {
             crate::impacts::warn(self, &plan);
+            crate::resolution::check(self, &plan);
         }
         outputs::outputs(self, &mut plan);
         self.decide(&plan, &drafts);

@@ -11,7 +11,7 @@ use crate::laws::Setting;
 use crate::laws::check::{given_parameters, law_error};
 use crate::laws::meeting::{Meeting, meetings};
 use crate::model::{CollisionPlan, EventPlan, Plan};
-use crate::schedule::{MOST_STEPS, shortest_interval};
+use crate::schedule::{MOST_STEPS, shortest_interval, whole};
 
 /// Default contact duration as a share of the shortest time in which a body moves by its diameter.
 const CONTACT_SHARE: f64 = 1e-4;
@@ -237,8 +237,8 @@ pub(crate) fn schedule(builder: &mut Builder<'_>, plan: &mut Plan, block: &Event
         RunBlock::Duration(duration) if duration.value == 0.0 => (0.0, duration.span.clone()),
         RunBlock::Duration(duration) => {
             let exact = duration.value / step;
-            let steps = (exact - 1e-9 * exact.max(1.0)).ceil().max(0.0);
-            if (steps - exact).abs() > 1e-6 {
+            let (steps, fits) = whole(exact);
+            if !fits {
                 builder.warning(
                     duration.span.clone(),
                     format!("the duration is {exact:.3} steps of {step:e} s; the run takes {steps} steps"),

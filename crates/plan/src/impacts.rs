@@ -72,11 +72,19 @@ fn smallest_radii(plan: &Plan) -> Vec<f64> {
 /// Largest overlap of a head-on impact at the expected speed, by the closed form of the law \[m\].
 fn largest_overlap(composition: &Composition) -> f64 {
     let context = &composition.context;
-    let Some(stage) = composition.stages.iter().find(|stage| stage.slot == Slot::Normal) else { return 0.0 };
-    let Oracle::Normal(outcome) = (stage.law.oracle)(&stage.params, context) else { return 0.0 };
-    let overlap = |reduced_mass, reduced_radius| {
-        outcome(&Impact { reduced_mass, reduced_radius, normal_speed: context.impact_speed }).maximum_overlap
+    let of = |reduced_mass, reduced_radius| {
+        overlap(composition, &Impact { reduced_mass, reduced_radius, normal_speed: context.impact_speed })
+            .unwrap_or(0.0)
     };
-    overlap(context.reduced_mass.min, context.reduced_radius.min)
-        .max(overlap(context.reduced_mass.max, context.reduced_radius.max))
+    of(context.reduced_mass.min, context.reduced_radius.min)
+        .max(of(context.reduced_mass.max, context.reduced_radius.max))
+}
+
+/// Largest overlap of an impact by the closed form of the law, if it has one \[m\].
+pub(crate) fn overlap(composition: &Composition, impact: &Impact) -> Option<f64> {
+    let stage = composition.stages.iter().find(|stage| stage.slot == Slot::Normal)?;
+    let Oracle::Normal(outcome) = (stage.law.oracle)(&stage.params, &composition.context) else {
+        return None;
+    };
+    Some(outcome(impact).maximum_overlap)
 }

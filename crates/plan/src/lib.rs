@@ -15,6 +15,7 @@ mod laws;
 mod limits;
 mod model;
 mod outputs;
+mod resolution;
 mod schedule;
 mod single;
 mod speed;

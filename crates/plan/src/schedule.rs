@@ -117,8 +117,8 @@ fn step(builder: &mut Builder<'_>, plan: &mut Plan, run: &RunBlock) -> Option<()
                 step = fitted(step, duration.value, shortest_interval(builder));
             }
             let exact = duration.value / step;
-            let steps = (exact - 1e-9 * exact.max(1.0)).ceil().max(0.0);
-            if (steps - exact).abs() > 1e-6 {
+            let (steps, fits) = whole(exact);
+            if !fits {
                 let help = if automatic {
                     "the step fits the shortest interval of an output; choose a duration that is a multiple of it"
                 } else {
@@ -207,6 +207,16 @@ fn judge(builder: &mut Builder<'_>, span: &Range<usize>, step: f64, limits: &Lim
     }
 }
 
+/// The number of steps of a run that is `exact` steps long, and whether it fits: rounded up, but not for the round-off of the
+/// quotient.
+pub(crate) fn whole(exact: f64) -> (f64, bool) {
+    let nearest = exact.round();
+    // Duration, step and their quotient are each rounded by half an ulp.
+    let round_off = 4.0 * f64::EPSILON * exact;
+    let steps = if (exact - nearest).abs() <= round_off.max(1e-9) { nearest } else { exact.ceil() };
+    (steps, (steps - exact).abs() <= round_off.max(1e-6))
+}
+
 /// Shortest interval of an output that is given as a time \[s\].
 pub(crate) fn shortest_interval(builder: &Builder<'_>) -> Option<f64> {
     let intervals =
@@ -222,4 +232,19 @@ fn fitted(step: f64, duration: f64, interval: Option<f64>) -> f64 {
     let whole = interval.filter(|interval| *interval < duration).unwrap_or(duration);
     let number = (whole / step * (1.0 - 1e-12)).ceil();
     if (1.0..=MOST_STEPS).contains(&number) { whole / number } else { step }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::whole;
+
+    #[test]
+    fn durations_are_whole_numbers_of_steps_up_to_round_off() {
+        assert_eq!(whole(1000.0 / 1e-7), (1e10, true));
+        assert_eq!(whole(1e-3 / 1e-5), (100.0, true));
+        assert_eq!(whole(99.7), (100.0, false));
+        assert_eq!(whole(100.001), (101.0, false));
+        assert_eq!(whole(1e10 + 0.5), (1e10 + 1.0, false));
+        assert_eq!(whole(0.0), (0.0, true));
+    }
 }

@@ -7,6 +7,7 @@ pub mod explain;
 pub mod law;
 pub mod laws;
 pub mod run;
+pub mod selftest;
 pub mod trade;
 
 use std::process::ExitCode;
@@ -22,7 +23,7 @@ pub enum Exit {
     Success = 0,
     /// The scene has errors or cannot be read, or there is no such law.
     Input = 1,
-    /// The run failed.
+    /// The run failed, or a self-test did.
     Run = 3,
     /// Stopped by a signal.
     Interrupted = 130,

@@ -1,0 +1,28 @@
+//! All cases, one file a kind.
+
+mod hard;
+mod impact;
+mod many;
+mod place;
+mod refused;
+mod rest;
+mod scale;
+mod spin;
+
+use crate::Case;
+
+/// Every extreme, in the order in which it is told: by the files of this folder.
+pub fn cases() -> impl Iterator<Item = &'static Case> {
+    [
+        impact::CASES,
+        scale::CASES,
+        place::CASES,
+        spin::CASES,
+        rest::CASES,
+        many::CASES,
+        hard::CASES,
+        refused::CASES,
+    ]
+    .into_iter()
+    .flatten()
+}
