@@ -217,6 +217,17 @@ fn what_is_no_scene_is_refused() {
 }
 
 #[test]
+fn extremes_are_run_by_name() {
+    let case = Case::new();
+    let done = case.granule(&["selftest", "no-bodies", "plastic-hard"]);
+    done.exits(0);
+    assert!(done.out.contains("2 right, 0 wrong") && done.out.contains("at least one body"), "{}", done.out);
+    let names = case.granule(&["selftest", "--list"]).exits(0).out.clone();
+    assert!(names.lines().count() > 40 && names.contains("column-long (--all, or by name)"), "{names}");
+    assert!(case.granule(&["selftest", "flying"]).exits(1).err.contains("`flying`"));
+}
+
+#[test]
 fn outputs_that_cannot_be_written_are_said_so() {
     let case = Case::new();
     case.write("pair.ron", &scene("(duration: \"1 ms\")", "[Series(path: \"deep/series.csv\")]"));
