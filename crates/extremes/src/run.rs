@@ -29,6 +29,9 @@ impl Body {
     }
 }
 
+/// What is done at each step of a run; an error ends it.
+pub(crate) type Look<'a> = &'a mut dyn FnMut(&View<'_>, &[Body]) -> Result<(), String>;
+
 /// A planned scene and the warnings that it gave.
 pub(crate) struct Planned {
     pub plan: Arc<Plan>,
@@ -84,11 +87,7 @@ impl Lab {
     ///
     /// # Errors
     /// The scene is refused, its run stops, or `look` is not content.
-    pub(crate) fn watch(
-        &self,
-        text: &str,
-        look: &mut dyn FnMut(&View<'_>, &[Body]) -> Result<(), String>,
-    ) -> Result<Vec<Body>, String> {
+    pub(crate) fn watch(&self, text: &str, look: Look<'_>) -> Result<Vec<Body>, String> {
         let Planned { plan, .. } = self.plan(text)?;
         let steps = plan.driver.steps;
         let mut driver = start(&plan)?;
