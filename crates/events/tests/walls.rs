@@ -178,27 +178,70 @@ fn a_ball_falls_on_a_frozen_one_on_a_curve() {
     assert!(engine.counts().collisions < 20_000);
 }
 
-/// Three balls on a line collapse for r below 7 - 4 sqrt 3 = 0.0718 (Constantin, Grossman and Mungan 1995): there the
-/// contact-duration model ends the infinite series, above it the collisions are few by themselves.
+/// Three balls on a line, in distances instead of places, which round-off does not end: times of the collisions until the
+/// balls part or the speeds are below 1e-250.
+fn collapse(r: f64, mut gaps: [f64; 2], mut closing: [f64; 2]) -> Vec<f64> {
+    let (mut time, mut times) = (0.0, Vec::new());
+    loop {
+        let after: [f64; 2] =
+            std::array::from_fn(|k| if closing[k] > 0.0 { gaps[k] / closing[k] } else { f64::INFINITY });
+        let pair = usize::from(after[1] < after[0]);
+        if after[pair] == f64::INFINITY || closing[pair] < 1e-250 {
+            return times;
+        }
+        time += after[pair];
+        times.push(time);
+        gaps = std::array::from_fn(|k| (gaps[k] - closing[k] * after[pair]).max(0.0));
+        gaps[pair] = 0.0;
+        closing[1 - pair] += 0.5 * (1.0 + r) * closing[pair];
+        closing[pair] *= -r;
+    }
+}
+
+/// Three balls on a line collapse for r below 7 - 4 sqrt 3 (Constantin, Grossman and Mungan 1995). The speeds of approach
+/// before successive collisions obey u' = (1 + r)/2 u - r u_before, which turns by θ with cos θ = (1 + r)/(4 sqrt r) above
+/// that restitution: then there are π/θ collisions, rounded up. Below it the contact-duration model ends the series.
 #[test]
 fn three_balls_collapse_below_the_critical_restitution() {
-    let run = |r: f64| {
-        // The middle one runs between an outer pair that closes in.
+    let (gaps, closing) = ([0.001, 0.1], [0.1, 1.0]);
+    let run = |r: f64, t_c: f64| {
         let bodies = vec![
-            ball(1, [-1.01, 0.0, 0.0], [1.0, 0.0, 0.0]),
-            ball(2, [0.0, 0.0, 0.0], [0.0; 3]),
-            ball(3, [1.5, 0.0, 0.0], [-1.0, 0.0, 0.0]),
+            ball(1, [-1.0 - gaps[0], 0.0, 0.0], [closing[0], 0.0, 0.0]),
+            ball(2, [0.0; 3], [0.0; 3]),
+            ball(3, [1.0 + gaps[1], 0.0, 0.0], [-closing[1], 0.0, 0.0]),
         ];
-        let mut engine = EventEngine::new(&world(bodies, Vec::new(), Plain::smooth(r), 0.0, 1e-12)).unwrap();
-        engine.advance(10.0, 1_000_000).unwrap();
+        let mut engine = EventEngine::new(&world(bodies, Vec::new(), Plain::smooth(r), 0.0, t_c)).unwrap();
+        engine.advance(1000.0, 1_000_000).unwrap();
         *engine.counts()
     };
-    let above = run(0.5);
-    assert_eq!(above.overlapping, 0, "{above:?}");
-    assert!(above.collisions < 10);
-    let below = run(0.05);
-    assert!(below.overlapping > 0, "{below:?}");
-    assert!(below.collisions < 100);
+    let critical = 7.0 - 4.0 * 3f64.sqrt();
+    assert!((critical - 0.071_796_8).abs() < 1e-7);
+    let finite = |r: f64| (std::f64::consts::PI / ((1.0 + r) / (4.0 * r.sqrt())).acos()).ceil() as usize;
+    assert_eq!(finite(0.072), 64);
+    // In places, the last gaps of more than 17 collisions are below round-off.
+    for (r, collisions) in [(0.5, 4), (0.2, 4), (0.09, 8), (0.08, 11), (0.075, 17)] {
+        assert_eq!((finite(r), collapse(r, gaps, closing).len()), (collisions, collisions), "r = {r}");
+        let counts = run(r, 1e-30);
+        assert_eq!((counts.collisions, counts.overlapping), (collisions as u64, 0), "r = {r}: {counts:?}");
+    }
+    assert_eq!(collapse(0.072, gaps, closing).len(), 64);
+    for r in [0.0715, 0.05] {
+        let times = collapse(r, gaps, closing);
+        // Each collision takes the larger root of λ² - (1 + r)/2 λ + r of the speed.
+        let a = 0.5 * (1.0 + r);
+        let share = 0.5 * (a + (a * a - 4.0 * r).sqrt());
+        let expected = (1e-250f64).ln() / share.ln();
+        assert!((times.len() as f64 - expected).abs() < 0.05 * expected, "{} {expected}", times.len());
+        let t_c = 1e-4;
+        let counts = run(r, t_c);
+        // The detector speaks at the first collision that is less than the contact duration after the one before.
+        let (first, _) =
+            times.windows(2).map(|w| (w[1], w[1] - w[0])).find(|(_, since)| *since < t_c).unwrap();
+        let found = counts.first_overlapping.unwrap();
+        assert!((found - first).abs() < 1e-12, "r = {r}: {found} {first}");
+        assert!(counts.leaves_the_hard_sphere_world());
+        assert!(counts.collisions < 100, "{counts:?}");
+    }
 }
 
 /// A column of beads dropped on a plate: the event-driven model lets it bounce as a loose train, and after that it rests.

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use granule_events::{BodyInput, EventEngine, Setup};
+use granule_events::{BodyInput, BodyState, EventEngine, Setup};
 use granule_geometry::Cell;
 use granule_law_api::{CollidingBody, Collision, CollisionImpulse, CollisionRule, collide};
 
@@ -245,36 +245,75 @@ fn run(setup: &mut Setup, per_body: f64) {
     }
 }
 
+/// Bodies of a periodic cube by cells that are at least `width` wide.
+struct Grid {
+    cells: usize,
+    side: f64,
+    members: Vec<Vec<usize>>,
+}
+
+impl Grid {
+    fn new(positions: &[[f64; 3]], side: f64, width: f64) -> Self {
+        let cells = (side / width).floor() as usize;
+        assert!(cells >= 3);
+        let mut grid = Self { cells, side, members: vec![Vec::new(); cells.pow(3)] };
+        for (body, position) in positions.iter().enumerate() {
+            let at = grid.index(grid.cell(*position));
+            grid.members[at].push(body);
+        }
+        grid
+    }
+
+    fn cell(&self, position: [f64; 3]) -> [usize; 3] {
+        position.map(|x| ((x / self.side * self.cells as f64) as usize).min(self.cells - 1))
+    }
+
+    fn index(&self, cell: [usize; 3]) -> usize {
+        (cell[2] * self.cells + cell[1]) * self.cells + cell[0]
+    }
+
+    /// Those in the cells about a place.
+    fn around(&self, position: [f64; 3]) -> impl Iterator<Item = usize> {
+        let home = self.cell(position);
+        (0..27).flat_map(move |near: usize| {
+            let offset = [near % 3, near / 3 % 3, near / 9];
+            let there = std::array::from_fn(|k| (home[k] + offset[k] + self.cells - 1) % self.cells);
+            self.members[self.index(there)].iter().copied()
+        })
+    }
+
+    fn distance(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
+        let along = |k: usize| {
+            let d = a[k] - b[k];
+            d - self.side * (d / self.side).round()
+        };
+        (0..3).map(|k| along(k).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+/// The least distance of two bodies, if it is below 1.
+pub fn closest(states: &[BodyState], side: f64) -> f64 {
+    let positions: Vec<_> = states.iter().map(|state| state.position).collect();
+    let grid = Grid::new(&positions, side, 1.0);
+    let mut least = f64::INFINITY;
+    for (body, &at) in positions.iter().enumerate() {
+        for other in grid.around(at).filter(|other| *other < body) {
+            least = least.min(grid.distance(at, positions[other]));
+        }
+    }
+    least
+}
+
 /// Radii as large as there is room, `radius` at most. True if some are still smaller.
 fn grow(setup: &mut Setup, radius: f64) -> bool {
-    let side = setup.cell.period()[0];
-    let cells = (side / (2.0 * radius)).floor() as usize;
-    let cell = |position: [f64; 3]| position.map(|x| ((x / side * cells as f64) as usize).min(cells - 1));
-    let index = |c: [usize; 3]| (c[2] * cells + c[1]) * cells + c[0];
-    let mut grid = vec![Vec::new(); cells.pow(3)];
-    for (body, input) in setup.bodies.iter().enumerate() {
-        grid[index(cell(input.position))].push(body);
-    }
+    let positions: Vec<_> = setup.bodies.iter().map(|body| body.position).collect();
+    let grid = Grid::new(&positions, setup.cell.period()[0], 2.0 * radius);
     let mut small = false;
-    for body in 0..setup.bodies.len() {
-        let at = setup.bodies[body].position;
+    for (body, &at) in positions.iter().enumerate() {
         let mut room = radius;
-        for near in 0..27 {
-            let offset = [near % 3, near / 3 % 3, near / 9];
-            let home = cell(at);
-            let there = std::array::from_fn(|k| (home[k] + offset[k] + cells - 1) % cells);
-            for &other in &grid[index(there)] {
-                if other != body {
-                    let b = &setup.bodies[other];
-                    let squared: f64 = (0..3)
-                        .map(|k| {
-                            let d = at[k] - b.position[k];
-                            (d - side * (d / side).round()).powi(2)
-                        })
-                        .sum();
-                    room = room.min((squared.sqrt() - b.radius) * (1.0 - 1e-12));
-                }
-            }
+        for other in grid.around(at).filter(|other| *other != body) {
+            let distance = grid.distance(at, positions[other]);
+            room = room.min((distance - setup.bodies[other].radius) * (1.0 - 1e-12));
         }
         let grown = room.max(setup.bodies[body].radius);
         setup.bodies[body].radius = grown;
