@@ -132,6 +132,31 @@ fn a_wall_is_an_infinitely_heavy_body() {
     assert!((slip + 0.5).abs() < 1e-14, "the slip is reversed with e_t0: {slip}");
 }
 
+/// The direction t of the slip is no number without slip: the impulse is normal alone, and the smallest slip there is has
+/// a direction.
+#[test]
+fn no_slip_at_all_gives_no_tangential_impulse() {
+    // Opposite spins: the contact points move together. 2^-1074 is the smallest number above zero.
+    for (slip, friction) in [(0.0, 0.3), (0.0, f64::INFINITY), (f64::from_bits(1), 0.3)] {
+        let rule = rough(0.5, friction, 0.5);
+        let body = |side: f64| CollidingBody {
+            velocity: [-side, slip * side, 0.0],
+            spin: [0.0, 7.0 * side, 0.0],
+            inverse_mass: 1.0,
+            inertia_factor: 0.4,
+            radius: 1.0,
+        };
+        let (mut a, mut b) = (body(1.0), body(-1.0));
+        assert!(collide(&*rule, true, [1.0, 0.0, 0.0], &mut a, &mut b, false, 0.0).is_some());
+        for (after, side) in [(a, 1.0), (b, -1.0)] {
+            assert_eq!((after.velocity[0], after.velocity[2]), (0.5 * side, 0.0));
+            assert!(after.velocity[1].abs() <= slip, "no more slip than before: {:?}", after.velocity);
+            assert_eq!(after.spin[1], 7.0 * side);
+            assert!(after.spin[2].abs() <= 2.0 * slip, "{:?}", after.spin);
+        }
+    }
+}
+
 #[test]
 fn two_bodies_that_part_do_not_collide() {
     let rule = rough(0.8, 0.2, 0.5);
