@@ -9,10 +9,10 @@ use crate::body::{Body, Identity, Period, Shell};
 use crate::cells::Cells;
 use crate::look_ahead::Ahead;
 use crate::neighbours::Neighbours;
-use crate::plane::PlaneWall;
 use crate::queue::Calendar;
 use crate::report::Counts;
 use crate::setup::{EventError, Setup};
+use crate::wall::HardWall;
 
 /// Partners from here on are walls.
 pub(crate) const WALLS: u32 = 0xFFFF_0000;
@@ -89,7 +89,7 @@ pub struct EventEngine {
     pub(crate) falls: bool,
     /// Frozen bodies among falling ones: relative flights are not straight.
     pub(crate) mixed: bool,
-    pub(crate) walls: Vec<PlaneWall>,
+    pub(crate) walls: Vec<HardWall>,
     /// Rule of each wall and material.
     pub(crate) wall_rules: Vec<Option<u16>>,
     pub(crate) pairs: Vec<Option<u16>>,
@@ -150,7 +150,7 @@ impl EventEngine {
             .walls
             .iter()
             .enumerate()
-            .map(|(index, input)| PlaneWall::new(&input.wall, index))
+            .map(|(index, input)| HardWall::new(&input.wall, index))
             .collect::<Result<Vec<_>, _>>()?;
         let falls = setup.gravity != [0.0; 3];
         let frozen = setup.bodies.iter().any(|body| body.frozen);
@@ -439,11 +439,12 @@ fn check(setup: &Setup) -> Result<(), EventError> {
     if !(t_c >= 0.0 && t_c.is_finite()) {
         return input("the contact duration must be at least 0 and finite");
     }
-    let moving = setup.walls.iter().any(|wall| !wall.wall.keeps_its_place());
+    let moving =
+        setup.walls.iter().any(|wall| !wall.wall.keeps_its_place() || HardWall::is_hollow(&wall.wall));
     let inelastic = setup.rules.iter().any(|rule| rule.is_inelastic());
     if t_c == 0.0 && (inelastic || moving || setup.gravity != [0.0; 3]) {
         return input(
-            "a contact duration greater than 0 is needed: with inelastic collisions, gravity or moving walls there can be \
+            "a contact duration greater than 0 is needed: with inelastic collisions, gravity, moving or hollow walls there can be \
              infinitely many collisions in a finite time",
         );
     }

@@ -60,11 +60,11 @@ impl EventEngine {
         let Some(index) = self.wall_rules[wall * self.materials + material] else { return Ok(()) };
         let (position, radius) = (self.bodies[one].position, self.bodies[one].radius);
         let absolute = self.epoch + time;
-        let plane = &self.walls[wall];
-        let normal = plane.normal;
+        let surface = &self.walls[wall];
+        let (_, normal) = surface.contact(position, absolute);
         let contact = std::array::from_fn(|k| position[k] - radius * normal[k]);
-        let velocity = plane.velocity(contact, absolute);
-        let pull = plane.pull(self.gravity, absolute);
+        let velocity = surface.velocity(contact, absolute);
+        let pull = surface.pull((position, self.bodies[one].velocity, self.gravity), absolute);
         let least = REST * self.contact_duration * pull.max(0.0);
         let mut first = self.colliding(one);
         let mut second =

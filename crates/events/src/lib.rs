@@ -10,7 +10,6 @@ mod flight;
 mod impact;
 mod look_ahead;
 mod neighbours;
-mod plane;
 mod predict;
 mod prefetch;
 mod queue;
@@ -18,6 +17,7 @@ mod renumber;
 mod report;
 mod setup;
 mod two;
+mod wall;
 
 pub use engine::{BodyState, EventEngine, Tuning};
 pub use report::{Counts, HARD_LIMIT};

@@ -3,8 +3,8 @@
 use crate::body::{Shell, Twins, dot};
 use crate::engine::{AGAIN, EventEngine, SHELL, WALLS};
 use crate::flight::{Root, leave, leave_falling, safe_root, touch};
-use crate::plane::Reach;
 use crate::two::Two;
+use crate::wall::Reach;
 
 impl EventEngine {
     /// Relative time and partner.
@@ -160,8 +160,7 @@ impl EventEngine {
             if self.wall_rules[index * self.materials + material].is_none() {
                 continue;
             }
-            let round_off = 4.0 * f64::EPSILON * radius;
-            match wall.reach((x, v, self.gravity), radius, self.epoch + time, best, round_off) {
+            match wall.reach((x, v, self.gravity), radius, self.epoch + time, best) {
                 Reach::At(after) if after < best => (best, partner) = (after, WALLS + index as u32),
                 Reach::AskAgain(after) if after < best => (best, partner) = (after, AGAIN),
                 Reach::At(_) | Reach::AskAgain(_) | Reach::Never => {}

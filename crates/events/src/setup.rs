@@ -31,7 +31,7 @@ pub struct BodyInput {
 /// A wall and the rules at it.
 #[derive(Clone, Debug)]
 pub struct WallInput {
-    /// A plane that is fixed, moves steadily or oscillates; its surface may turn in its own plane.
+    /// A plane or cylinder that is fixed, moves steadily, oscillates or follows a table; its surface may turn in its place.
     pub wall: Wall,
     /// Rule for each material, as an index into [`Setup::rules`]; `None` where bodies pass.
     pub rules: Vec<Option<usize>>,
@@ -62,11 +62,11 @@ pub struct Setup {
 /// Why an engine cannot be set up, or a run cannot go on.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EventError {
-    /// A wall of a shape or motion that flights are not known for.
+    /// A wall of a motion that flights are not known for.
     Wall {
         /// Index of the wall.
         wall: usize,
-        /// What it is.
+        /// What it does.
         what: &'static str,
     },
     /// The periodic cell is too small for one image of a pair.
@@ -108,7 +108,7 @@ impl std::fmt::Display for EventError {
             Self::Wall { wall, what } => {
                 write!(
                     f,
-                    "wall {wall} is {what}: the event-driven driver knows planes that are fixed, move steadily or oscillate"
+                    "wall {wall} {what}: the event-driven driver knows walls that move without turning, or turn in place"
                 )
             }
             Self::Cell(reason) | Self::Input(reason) => f.write_str(reason),

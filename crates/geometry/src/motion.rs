@@ -168,6 +168,19 @@ impl Motion {
         }
     }
 
+    /// True for a translation along straight lines between given times.
+    pub fn is_table(&self) -> bool {
+        matches!(self.0, Kind::Table(_))
+    }
+
+    /// The next time after `t` at which the velocity of a table jumps; `None` without one.
+    pub fn next_jump(&self, t: f64) -> Option<f64> {
+        match &self.0 {
+            Kind::Table(rows) => rows.get(rows.partition_point(|row| row.0 <= t)).map(|row| row.0),
+            _ => None,
+        }
+    }
+
     /// Acceleration of the translation at time `t`, m/s^2.
     pub fn acceleration(&self, t: f64) -> Vector3<f64> {
         match &self.0 {

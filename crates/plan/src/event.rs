@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use granule_geometry::Surface;
+use granule_geometry::{Surface, Wall};
 use granule_law_api::{CollisionEntry, Params, RegistryError};
 use granule_scene::{ContactBlock, EventBlock, LawBlock, PrecisionChoice, RunBlock, suggestion};
 
@@ -115,20 +115,15 @@ fn choose(builder: &mut Builder<'_>, law: &LawBlock) -> Option<(&'static Collisi
 /// Refuses walls that flights are not known for.
 fn walls(builder: &mut Builder<'_>, setting: &Setting<'_>) {
     for (index, plan) in setting.walls.iter().enumerate() {
-        let motion = plan.wall.motion();
-        let steady = motion.steady_velocity().is_some() || motion.oscillation().is_some();
-        let what = match plan.wall.surface() {
-            Surface::Cylinder(_) => "a cylinder",
-            Surface::Plane(_) if plan.wall.keeps_its_place() || steady => continue,
-            Surface::Plane(_) if motion.rotation_at(0.0).is_some() => "a plane that turns out of its place",
-            Surface::Plane(_) => "a plane that moves by a table",
-        };
+        if plan.wall.keeps_its_place() || plan.wall.motion().rotation_at(0.0).is_none() {
+            continue;
+        }
         let scene = builder.scene;
         let span = scene.walls.items.get(index).map_or(scene.walls.span.clone(), |wall| wall.span.clone());
         builder.error_help(
             span,
-            format!("wall `{}` is {what}, which the driver `Event` does not know", plan.name),
-            "it knows planes that are fixed, move with a constant velocity, oscillate, or turn in their own plane",
+            format!("wall `{}` turns out of its place, which the driver `Event` does not know", plan.name),
+            "it knows walls that are fixed, move without turning, or turn in their own place",
         );
     }
 }
@@ -178,7 +173,8 @@ fn contact_duration(
 ) -> f64 {
     let inelastic = collisions.iter().any(|collision| collision.rule.is_inelastic());
     let g = setting.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
-    let moving = setting.walls.iter().any(|wall| !wall.wall.keeps_its_place());
+    let hollow = |wall: &Wall| matches!(wall.surface(), Surface::Cylinder(cylinder) if cylinder.inside());
+    let moving = setting.walls.iter().any(|wall| !wall.wall.keeps_its_place() || hollow(&wall.wall));
     let topic = "contact duration";
     if let Some(given) = &block.contact_duration {
         builder.decide_one(topic, true, format!("{:e} s, given by the scene", given.value));

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use granule_events::{BodyInput, BodyState, EventEngine, Setup};
-use granule_geometry::Cell;
+use granule_events::{BodyInput, BodyState, EventEngine, Setup, WallInput};
+use granule_geometry::{Cell, Motion, Plane, Wall};
 use granule_law_api::{CollidingBody, Collision, CollisionImpulse, CollisionRule, collide};
+use nalgebra::Vector3;
 
 /// Constant restitution with friction, written down here once more: the shipped rule lies above this crate.
 #[derive(Clone, Copy, Debug)]
@@ -104,6 +105,46 @@ pub fn gas(n: usize, phi: f64, rule: Plain, contact_duration: f64, seed: u64) ->
         gravity: [0.0; 3],
         contact_duration,
     }
+}
+
+/// A body of unit mass and diameter.
+pub fn ball(id: u32, position: [f64; 3], velocity: [f64; 3]) -> BodyInput {
+    BodyInput {
+        id,
+        material: 0,
+        radius: 0.5,
+        mass: 1.0,
+        inertia_factor: 0.4,
+        position,
+        velocity,
+        spin: [0.0; 3],
+        frozen: false,
+    }
+}
+
+/// A plane with the only rule.
+pub fn plane(point: [f64; 3], normal: [f64; 3], motion: Motion) -> WallInput {
+    let plane = Plane::new(Vector3::from(point), Vector3::from(normal)).unwrap();
+    WallInput { wall: Wall::new(plane, motion), rules: vec![Some(0)] }
+}
+
+/// Bodies of one material between walls, under gravity along -z.
+pub fn world(bodies: Vec<BodyInput>, walls: Vec<WallInput>, rule: Plain, g: f64, t_c: f64) -> Setup {
+    Setup {
+        bodies,
+        walls,
+        rules: vec![Arc::new(rule)],
+        pairs: vec![Some(0)],
+        materials: 1,
+        cell: Cell::unbounded(),
+        gravity: [0.0, 0.0, -g],
+        contact_duration: t_c,
+    }
+}
+
+/// The plane z = 0, bodies above it.
+pub fn floor() -> WallInput {
+    plane([0.0; 3], [0.0, 0.0, 1.0], Motion::fixed())
 }
 
 /// Contact value of the pair correlation (Carnahan and Starling 1969).

@@ -5,7 +5,7 @@ use super::{Block, opt};
 pub const EVENT: Block = Block {
     name: "Event",
     doc: "The event-driven driver: hard bodies that fly freely and collide in an instant, by the rule `collision` of their \
-          contact. Walls are planes that are fixed, move with a constant velocity, oscillate, or turn in their own plane.",
+          contact. Walls are fixed, move without turning, or turn in their own place.",
     fields: &[
         opt(
             "step",
