@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use granule_engine::{EngineError, SubstrateTally, Tally, Work};
-use granule_events::{BodyInput, Counts, EventEngine, EventError, Setup, WallInput};
+use granule_events::{BodyInput, BodyState, Counts, EventEngine, EventError, Setup, WallInput};
 use granule_plan::{Dimensions, Partner, Plan};
 use granule_state::{Bodies, Layout};
 
@@ -47,35 +47,9 @@ impl EventDriver {
     fn snapshot(&self) -> Snapshot {
         let plan = &self.plan;
         let states = self.engine.states(self.time);
-        let layout = Layout {
-            planar: plan.dimensions == Dimensions::Two,
-            rotation: plan.rotation,
-            previous_acceleration: false,
-            surface: false,
-        };
-        let table = &plan.bodies;
-        // Both are in the order of the identities.
-        let inputs = states.iter().enumerate().map(|(k, state)| granule_state::BodyInput {
-            id: state.id,
-            material: table.material[k],
-            radius: table.radius[k],
-            mass: table.mass[k],
-            inertia_factor: table.inertia_factor[k],
-            position: state.position,
-            velocity: state.velocity,
-            spin: state.spin,
-            frozen: table.frozen[k],
-        });
-        let mut bodies = Bodies::new(layout, inputs);
-        bodies.image = states.iter().map(|state| state.image).collect();
+        let bodies = bodies(plan, &states);
         let counts = *self.engine.counts();
-        let mut work = Work::default();
-        if plan.ledger {
-            // The slots of normal and tangential laws.
-            work.viscous[0] = counts.lost_normal;
-            work.friction[2] = counts.lost_tangential;
-            work.walls = counts.wall_work;
-        }
+        let work = work(plan, &counts);
         let tally = Tally { wall_force: vec![[0.0; 3]; plan.walls.len()], ..Tally::default() };
         Snapshot { bodies, tally, work, substrate: SubstrateTally::default(), counts }
     }
@@ -126,12 +100,50 @@ impl Driver for EventDriver {
     }
 }
 
-fn failed(error: EventError) -> EngineError {
+/// Rows of hard bodies.
+pub(crate) fn bodies(plan: &Plan, states: &[BodyState]) -> Bodies {
+    let layout = Layout {
+        planar: plan.dimensions == Dimensions::Two,
+        rotation: plan.rotation,
+        previous_acceleration: false,
+        surface: false,
+    };
+    let table = &plan.bodies;
+    // Both are in the order of the identities.
+    let inputs = states.iter().enumerate().map(|(k, state)| granule_state::BodyInput {
+        id: state.id,
+        material: table.material[k],
+        radius: table.radius[k],
+        mass: table.mass[k],
+        inertia_factor: table.inertia_factor[k],
+        position: state.position,
+        velocity: state.velocity,
+        spin: state.spin,
+        frozen: table.frozen[k],
+    });
+    let mut bodies = Bodies::new(layout, inputs);
+    bodies.image = states.iter().map(|state| state.image).collect();
+    bodies
+}
+
+/// What collisions did to the energy; nothing without the ledger.
+pub(crate) fn work(plan: &Plan, counts: &Counts) -> Work {
+    let mut work = Work::default();
+    if plan.ledger {
+        // The slots of normal and tangential laws.
+        work.viscous[0] = counts.lost_normal;
+        work.friction[2] = counts.lost_tangential;
+        work.walls = counts.wall_work;
+    }
+    work
+}
+
+pub(crate) fn failed(error: EventError) -> EngineError {
     EngineError::Events(error.to_string())
 }
 
 /// What the engine needs of a plan.
-fn setup(plan: &Plan) -> Result<Setup, EngineError> {
+pub(crate) fn setup(plan: &Plan) -> Result<Setup, EngineError> {
     let Some(event) = &plan.event else {
         return Err(EngineError::Events("this plan is for the time-stepped driver".to_string()));
     };

@@ -4,6 +4,7 @@
 //! [`View`] of what it has reached.
 
 mod event;
+mod rolling;
 mod time_step;
 mod view;
 
@@ -14,6 +15,7 @@ use std::time::Duration;
 pub use event::EventDriver;
 pub use granule_engine::{ContactPartner, ContactRecord, EngineError, Tally, Work};
 pub use granule_events::Counts;
+pub use rolling::RollingDriver;
 pub use time_step::TimeStepDriver;
 pub use view::View;
 
@@ -66,6 +68,9 @@ pub trait Driver: Send {
 /// # Errors
 /// See [`EngineError`].
 pub fn driver(plan: Arc<granule_plan::Plan>, threads: Option<usize>) -> Result<Box<dyn Driver>, EngineError> {
+    if plan.event.is_some() && plan.substrate.is_some() {
+        return Ok(Box::new(RollingDriver::new(plan)?));
+    }
     if plan.event.is_some() {
         return Ok(Box::new(EventDriver::new(plan)?));
     }

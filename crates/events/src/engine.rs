@@ -419,7 +419,7 @@ impl EventEngine {
     }
 }
 
-fn check(setup: &Setup) -> Result<(), EventError> {
+pub(crate) fn check(setup: &Setup) -> Result<(), EventError> {
     let input = |message: &str| Err(EventError::Input(message.to_string()));
     let materials = setup.materials;
     if setup.bodies.len() >= WALLS as usize || setup.walls.len() > MOST_WALLS || setup.rules.len() > 0xFFFF {

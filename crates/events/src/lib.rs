@@ -1,6 +1,6 @@
 //! The event-driven engine: hard bodies fly freely and collide in an instant.
 //!
-//! Straight or parabolic flight is exact; collisions follow a [`CollisionRule`](granule_law_api::CollisionRule). This crate
+//! Or they slide and roll on a plate between collisions ([`RollingEngine`]). Straight or parabolic flight is exact; collisions follow a [`CollisionRule`](granule_law_api::CollisionRule). This crate
 //! knows nothing about scenes, plans or files.
 
 mod body;
@@ -15,10 +15,12 @@ mod prefetch;
 mod queue;
 mod renumber;
 mod report;
+mod rolling;
 mod setup;
 mod two;
 mod wall;
 
 pub use engine::{BodyState, EventEngine, Tuning};
 pub use report::{Counts, HARD_LIMIT};
+pub use rolling::{Between, RollingEngine, RollingSetup, RollingTally, RollingWork};
 pub use setup::{BodyInput, EventError, Setup, WallInput};

@@ -284,6 +284,11 @@ mod tests {
         assert_eq!(table.velocity(2.0), v(1.0, 0.0, 0.0));
         assert_eq!(table.displacement(9.0), v(2.0, 0.0, 3.0));
         assert_eq!(table.velocity(4.0), v(0.0, 0.0, 0.0));
+        assert_eq!(
+            [0.0, 1.0, 3.9, 4.0].map(|t| table.next_jump(t)),
+            [Some(1.0), Some(2.0), Some(4.0), None],
+            "the velocity jumps at every row"
+        );
         let single = Motion::table(vec![(1.0, v(1.0, 0.0, 0.0))]).unwrap();
         assert_eq!(single.displacement(-5.0), v(1.0, 0.0, 0.0));
     }

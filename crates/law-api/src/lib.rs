@@ -36,6 +36,7 @@ pub use real::Real;
 pub use registry::{API_VERSION, ContactLaw, LawEntry, Registry, RegistryError, nearest};
 pub use substrate::{
     Footing, SubstrateContact, SubstrateContext, SubstrateEntry, SubstrateInfo, SubstrateLaw, SubstrateStage,
+    SurfaceFriction,
 };
 
 #[doc(hidden)]

@@ -68,10 +68,42 @@ pub struct SubstrateContext<'a> {
     pub rolling_friction: &'a [(f64, f64)],
 }
 
+/// Coefficients of a law for which arcs between collisions are known in closed form: it rolls without slip while the
+/// friction that this takes is at most `static_friction` times the normal force, else slips under `kinetic_friction`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceFriction {
+    /// μ_s, maybe infinite.
+    pub static_friction: f64,
+    /// μ_k, at most μ_s.
+    pub kinetic_friction: f64,
+    /// μ_r by rolling speed \[m/s\], with increasing speeds and at least one row; constant outside.
+    pub rolling: Vec<(f64, f64)>,
+    /// μ_d: torque about the normal per normal force and radius.
+    pub drilling: f64,
+}
+
+impl SurfaceFriction {
+    /// μ_r at a rolling speed \[m/s\]: straight lines between the rows, constant outside.
+    pub fn rolling_at(&self, speed: f64) -> f64 {
+        let above = self.rolling.partition_point(|row| row.0 <= speed);
+        match (above.checked_sub(1).map(|below| self.rolling[below]), self.rolling.get(above)) {
+            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (speed - a.0) / (b.0 - a.0),
+            (Some(a), None) => a.1,
+            (None, Some(b)) => b.1,
+            (None, None) => 0.0,
+        }
+    }
+}
+
 /// A compiled law. Entry `k` of the answer depends on entry `k` alone.
 pub trait SubstrateStage: Send + Sync {
     /// Fills in answers and footings.
     fn run(&self, contacts: &mut [SubstrateContact]);
+
+    /// The coefficients, if the law is that of [`SurfaceFriction`]; the event-driven driver needs them.
+    fn friction(&self) -> Option<&SurfaceFriction> {
+        None
+    }
 }
 
 /// Everything that is known about a substrate law without running it.

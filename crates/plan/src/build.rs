@@ -105,6 +105,9 @@ impl Builder<'_> {
         };
         let bodies = bodies::table(&drafts);
         let substrate = substrate::substrate(self, &drafts, &cell, gravity, scheme);
+        if let Some(substrate) = &substrate {
+            crate::event::check_substrate(self, substrate);
+        }
         let mut plan = Plan {
             title: scene.title.clone(),
             dimensions: self.dimensions,

@@ -4,17 +4,24 @@ use std::sync::Arc;
 
 use granule_geometry::{Surface, Wall};
 use granule_law_api::{CollisionEntry, Params, RegistryError};
-use granule_scene::{ContactBlock, EventBlock, LawBlock, PrecisionChoice, RunBlock, suggestion};
+use granule_scene::{
+    ContactBlock, EventBlock, LawBlock, PrecisionChoice, RunBlock, SlidesChoice, suggestion,
+};
 
 use crate::build::Builder;
 use crate::laws::Setting;
 use crate::laws::check::{given_parameters, law_error};
 use crate::laws::meeting::{Meeting, meetings};
-use crate::model::{CollisionPlan, EventPlan, Plan};
+use crate::model::{CollisionPlan, EventPlan, Plan, Slides, SubstratePlan};
 use crate::schedule::{MOST_STEPS, shortest_interval, whole};
 
 /// Default contact duration as a share of the shortest time in which a body moves by its diameter.
 const CONTACT_SHARE: f64 = 1e-4;
+/// The same on a substrate, where friction presses bodies against each other all the time: as long as soft contacts last.
+/// They bounce by the square of this, 1e-5 of a diameter.
+const CONTACT_SHARE_ON_SUBSTRATE: f64 = 1e-2;
+/// Default error of a piece of an arc as a share of the smallest radius.
+const ARC_ERROR: f64 = 1e-4;
 /// Steps of a run that says nothing about them.
 const STEPS: f64 = 100.0;
 
@@ -51,13 +58,7 @@ pub(crate) fn event(builder: &mut Builder<'_>, setting: &Setting<'_>) -> Option<
         }
         return None;
     };
-    if scene.substrate.is_some() {
-        builder.error_help(
-            block.span.clone(),
-            "hard bodies cannot roll on a substrate",
-            "choose `driver: TimeStep()`",
-        );
-    }
+    let slides = slides(builder, setting, block);
     if scene.precision == PrecisionChoice::Single {
         builder.error_help(
             block.span.clone(),
@@ -82,7 +83,96 @@ pub(crate) fn event(builder: &mut Builder<'_>, setting: &Setting<'_>) -> Option<
     }
     let collisions = if setting.whole { collisions(builder, setting, &chosen) } else { Vec::new() };
     let contact_duration = contact_duration(builder, setting, block, &collisions);
-    Some(EventPlan { contact_duration, collisions })
+    Some(EventPlan { contact_duration, collisions, slides })
+}
+
+/// What bodies on the substrate do between collisions, if there is one.
+fn slides(builder: &mut Builder<'_>, setting: &Setting<'_>, block: &EventBlock) -> Option<Slides> {
+    let scene = builder.scene;
+    let Some(substrate) = &scene.substrate else {
+        if let Some(slides) = &block.slides {
+            builder.error_help(
+                slides.span.clone(),
+                "`slides` are those of bodies on a substrate, which the scene does not have",
+                "leave `slides` out",
+            );
+        }
+        return None;
+    };
+    if !substrate.confined {
+        builder.error_help(
+            substrate.span.clone(),
+            "hard bodies never leave a substrate",
+            "leave `confined: false` out, or choose `driver: TimeStep()`",
+        );
+    }
+    if let Some(cell) = &scene.cell
+        && cell.periodic.value.get(2) == Some(&true)
+    {
+        builder.error(cell.periodic.span.clone(), "a cell on a substrate cannot be periodic along z");
+    }
+    for (index, plan) in setting.walls.iter().enumerate() {
+        let upright = matches!(plan.wall.surface(), Surface::Plane(plane) if plane.normal().z == 0.0);
+        if !upright {
+            let span =
+                scene.walls.items.get(index).map_or(scene.walls.span.clone(), |wall| wall.span.clone());
+            builder.error_help(
+                span,
+                format!(
+                    "wall `{}` is not an upright plane, as hard bodies on a substrate need it",
+                    plan.name
+                ),
+                "make it a plane whose normal lies along x and y, or choose `driver: TimeStep()`",
+            );
+        }
+    }
+    let smallest = setting.bodies.iter().fold(f64::INFINITY, |r: f64, body| r.min(body.radius));
+    Some(match block.slides.as_ref().map(|slides| &slides.value) {
+        Some(SlidesChoice::EffectiveRestitution) => {
+            let why = "slides are over at once, with the effective restitution; bodies roll without friction";
+            builder.decide_one("slides", false, why);
+            Slides::EffectiveRestitution
+        }
+        Some(SlidesChoice::Arcs { error: Some(error) }) => {
+            builder.decide_one("slides", true, format!("arcs, in pieces with an error of {error:e} m"));
+            Slides::Arcs { error: *error }
+        }
+        Some(SlidesChoice::Arcs { error: None }) | None => {
+            let error = if smallest.is_finite() { ARC_ERROR * smallest } else { ARC_ERROR };
+            let why =
+                format!("arcs, in pieces with an error of {error:e} m, {ARC_ERROR} of the smallest radius");
+            builder.decide_one("slides", true, why);
+            Slides::Arcs { error }
+        }
+    })
+}
+
+/// Refuses what arcs on a substrate cannot follow.
+pub(crate) fn check_substrate(builder: &mut Builder<'_>, substrate: &SubstratePlan) {
+    let scene = builder.scene;
+    let (Some(block), Some(_)) = (&scene.substrate, &scene.event) else { return };
+    if let Some(motion) = &block.motion
+        && substrate.motion.rotation_at(0.0).is_some()
+    {
+        builder.error_help(
+            motion.span.clone(),
+            "arcs of hard bodies on a substrate that turns are not known",
+            "it may be fixed, move with a constant velocity, oscillate, or follow a table; or choose `driver: TimeStep()`",
+        );
+    }
+    for (name, law) in &block.laws {
+        let index = scene.materials.items.iter().position(|item| item.name.value == name.value);
+        let material = index.and_then(|index| substrate.materials.get(index)).and_then(Option::as_ref);
+        if let Some(material) = material
+            && material.stage.friction().is_none()
+        {
+            builder.error_help(
+                law.name.span.clone(),
+                format!("the arcs of hard bodies under {} are not known", material.law.info.name),
+                "choose `driver: TimeStep()`",
+            );
+        }
+    }
 }
 
 fn choose(builder: &mut Builder<'_>, law: &LawBlock) -> Option<(&'static CollisionEntry, Params)> {
@@ -174,7 +264,9 @@ fn contact_duration(
     let inelastic = collisions.iter().any(|collision| collision.rule.is_inelastic());
     let g = setting.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
     let hollow = |wall: &Wall| matches!(wall.surface(), Surface::Cylinder(cylinder) if cylinder.inside());
-    let moving = setting.walls.iter().any(|wall| !wall.wall.keeps_its_place() || hollow(&wall.wall));
+    let shaken = builder.scene.substrate.as_ref().is_some_and(|substrate| substrate.motion.is_some());
+    let moving =
+        shaken || setting.walls.iter().any(|wall| !wall.wall.keeps_its_place() || hollow(&wall.wall));
     let topic = "contact duration";
     if let Some(given) = &block.contact_duration {
         builder.decide_one(topic, true, format!("{:e} s, given by the scene", given.value));
@@ -192,7 +284,8 @@ fn contact_duration(
     let (speed, _) = setting.impact_speed(builder);
     let crossing = diameter / speed;
     let falling = if g > 0.0 { (diameter / g).sqrt() } else { f64::INFINITY };
-    let duration = CONTACT_SHARE * crossing.min(falling);
+    let share = if builder.scene.substrate.is_some() { CONTACT_SHARE_ON_SUBSTRATE } else { CONTACT_SHARE };
+    let duration = share * crossing.min(falling);
     if !(duration > 0.0 && duration.is_finite()) {
         if setting.whole && !setting.bodies.is_empty() {
             builder.error_help(
@@ -204,7 +297,7 @@ fn contact_duration(
         return 0.0;
     }
     let why = format!(
-        "{duration:.3e} s, {CONTACT_SHARE} of the time in which the smallest body moves by its diameter; sooner collisions \
+        "{duration:.3e} s, {share} of the time in which the smallest body moves by its diameter; sooner collisions \
          lose no energy along the normal"
     );
     builder.decide_one(topic, true, why);
@@ -251,10 +344,11 @@ pub(crate) fn schedule(builder: &mut Builder<'_>, plan: &mut Plan, block: &Event
     }
     plan.driver.step = step;
     plan.driver.steps = steps as u64;
+    let motion = if plan.substrate.is_some() { "move over the substrate" } else { "fly freely" };
     builder.decide_one(
         "event-driven",
         true,
-        format!("bodies fly freely from collision to collision; looked at every {step:.6e} s, {why}"),
+        format!("bodies {motion} from collision to collision; looked at every {step:.6e} s, {why}"),
     );
     let largest = plan.bodies.radius.iter().fold(0.0, |a: f64, b| a.max(*b));
     if let Some(cell) = &builder.scene.cell

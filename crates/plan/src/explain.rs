@@ -8,6 +8,7 @@ use granule_state::Layout;
 use crate::limits;
 use crate::model::{
     CollisionPlan, Composition, Dimensions, EventPlan, OutputKind, Partner, Plan, Precision, Scheme, Search,
+    Slides,
 };
 
 /// What runs, line by line. Everything that the scene left to a default is shown with its value.
@@ -125,7 +126,12 @@ fn periods(out: &mut String, plan: &Plan) {
 
 fn event_settings(out: &mut String, plan: &Plan, event: &EventPlan) {
     let driver = &plan.driver;
-    line(out, format_args!("  event-driven: bodies fly freely from collision to collision"));
+    let motion = match event.slides {
+        None => "fly freely",
+        Some(Slides::Arcs { .. }) => "slide and roll along arcs",
+        Some(Slides::EffectiveRestitution) => "roll without friction",
+    };
+    line(out, format_args!("  event-driven: bodies {motion} from collision to collision"));
     line(
         out,
         format_args!(

@@ -5,7 +5,7 @@ use granule_law_api::Conventions;
 use nalgebra::Vector3;
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::model::{Dimensions, Partner, Plan, Precision, Scheme, Search};
+use crate::model::{Dimensions, Partner, Plan, Precision, Scheme, Search, Slides};
 
 /// Layout of the hashed bytes; a change makes all fingerprints differ.
 const LAYOUT: u64 = 1;
@@ -151,6 +151,14 @@ fn event(hash: &mut Bytes, plan: &Plan) {
     let Some(event) = &plan.event else { return };
     hash.text("event");
     hash.number(event.contact_duration);
+    match event.slides {
+        None => {}
+        Some(Slides::Arcs { error }) => {
+            hash.text("arcs");
+            hash.number(error);
+        }
+        Some(Slides::EffectiveRestitution) => hash.text("effective restitution"),
+    }
     hash.word(event.collisions.len() as u64);
     for collision in &event.collisions {
         hash.word(u64::from(collision.material));

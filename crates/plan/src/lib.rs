@@ -28,7 +28,7 @@ pub use fingerprint::fingerprint;
 pub use limits::{Limits, limits};
 pub use model::{
     BodyTable, CollisionPlan, Composition, Decision, Dimensions, EventPlan, MaterialPlan, OutputKind,
-    OutputPlan, Partner, Plan, Precision, SERIES, Scheme, Search, StagePlan, SubstrateMaterial,
+    OutputPlan, Partner, Plan, Precision, SERIES, Scheme, Search, Slides, StagePlan, SubstrateMaterial,
     SubstratePlan, TimeStepPlan, WallPlan,
 };
 pub use single::SingleImpact;

@@ -190,6 +190,20 @@ pub struct EventPlan {
     pub contact_duration: f64,
     /// Rules of all pairs of materials and walls that can meet.
     pub collisions: Vec<CollisionPlan>,
+    /// What bodies on a substrate do between collisions; `None` without a substrate.
+    pub slides: Option<Slides>,
+}
+
+/// What hard bodies on a substrate do between collisions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Slides {
+    /// They slide and roll along arcs.
+    Arcs {
+        /// Aim for the error of a place over one piece \[m\].
+        error: f64,
+    },
+    /// Slides are over at once, with the effective restitution.
+    EffectiveRestitution,
 }
 
 /// How candidates are found.

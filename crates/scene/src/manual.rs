@@ -35,7 +35,15 @@ const CHAPTERS: &[(&str, &str, &[&Block])] = &[
     (
         "Driver and run",
         "",
-        &[&spec::TIME_STEP, &spec::AUTO, &spec::ACCURACY, &spec::BUDGET, &spec::EVENT, &spec::RUN],
+        &[
+            &spec::TIME_STEP,
+            &spec::AUTO,
+            &spec::ACCURACY,
+            &spec::BUDGET,
+            &spec::EVENT,
+            &spec::ARCS,
+            &spec::RUN,
+        ],
     ),
     (
         "Outputs",

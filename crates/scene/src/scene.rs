@@ -507,8 +507,22 @@ pub struct EventBlock {
     pub step: Option<Spanned<f64>>,
     /// Contact duration of the contact-duration model \[s\].
     pub contact_duration: Option<Spanned<f64>>,
+    /// What bodies on a substrate do between collisions.
+    pub slides: Option<Spanned<SlidesChoice>>,
     /// Where the block stands.
     pub span: Range<usize>,
+}
+
+/// What hard bodies on a substrate do between collisions.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SlidesChoice {
+    /// `Arcs(error: ..)`: they slide and roll.
+    Arcs {
+        /// Aim for the error of a place over one piece of an arc \[m\].
+        error: Option<f64>,
+    },
+    /// Slides are over at once.
+    EffectiveRestitution,
 }
 
 /// How long it runs.

@@ -5,7 +5,7 @@ mod event;
 mod substrate;
 
 pub use accuracy::{ACCURACY, BUDGET};
-pub use event::EVENT;
+pub use event::{ARCS, EFFECTIVE_RESTITUTION, EVENT};
 pub use substrate::SUBSTRATE;
 
 /// One field.

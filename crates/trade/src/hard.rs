@@ -189,6 +189,7 @@ pub(crate) fn harden(
     scene.event = Some(EventBlock {
         step: Some(Spanned::new(duration / LOOKS, span.clone())),
         contact_duration: Some(Spanned::new(rules.contact_duration, span.clone())),
+        slides: None,
         span,
     });
     Ok(())

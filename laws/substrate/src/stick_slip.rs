@@ -3,7 +3,7 @@
 
 use granule_law_api::{
     Dimension, Footing, Form, LawError, ParamSpec, Params, Source, SubstrateContact, SubstrateContext,
-    SubstrateInfo, SubstrateLaw, SubstrateStage, ValueRange, register_substrate_law,
+    SubstrateInfo, SubstrateLaw, SubstrateStage, SurfaceFriction, ValueRange, register_substrate_law,
 };
 
 const COEFFICIENT: ValueRange = ValueRange { infinite: true, ..ValueRange::NON_NEGATIVE };
@@ -123,19 +123,13 @@ impl SubstrateLaw for StickSlip {
         }
         let rolling = if table.is_empty() { vec![(0.0, constant)] } else { table.to_vec() };
         let drilling = params.value(&DRILLING)?;
-        Ok(Box::new(Compiled { static_friction, kinetic_friction, rolling, drilling }))
+        Ok(Box::new(Compiled(SurfaceFriction { static_friction, kinetic_friction, rolling, drilling })))
     }
 }
 
 register_substrate_law!(StickSlip);
 
-struct Compiled {
-    static_friction: f64,
-    kinetic_friction: f64,
-    /// Speeds and coefficients, at least one row.
-    rolling: Vec<(f64, f64)>,
-    drilling: f64,
-}
+struct Compiled(SurfaceFriction);
 
 /// Slips below this share of the velocities that make it are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -146,6 +140,10 @@ impl SubstrateStage for Compiled {
             self.answer(contact);
         }
     }
+
+    fn friction(&self) -> Option<&SurfaceFriction> {
+        Some(&self.0)
+    }
 }
 
 impl Compiled {
@@ -153,7 +151,7 @@ impl Compiled {
         let normal = c.normal_impulse.max(0.0);
         // Not 0 · inf: without a normal force there is no friction, however rough the surface.
         let limit = |friction: f64| if normal > 0.0 { friction * normal } else { 0.0 };
-        let inertia = limit(self.drilling * c.radius);
+        let inertia = limit(self.0.drilling * c.radius);
         let moment = c.mass * c.radius * c.radius / c.inertia_number;
         c.drilling_impulse = -c.drilling.signum() * inertia.min(c.drilling.abs() * moment);
         let sticks = match c.footing {
@@ -167,13 +165,13 @@ impl Compiled {
         // What slips by u is stopped by -u m/(1 + Q).
         let mobility = (1.0 + c.inertia_number) / c.mass;
         let stop = [-c.slip[0] / mobility, -c.slip[1] / mobility];
-        let most = limit(if sticks { self.static_friction } else { self.kinetic_friction });
+        let most = limit(if sticks { self.0.static_friction } else { self.0.kinetic_friction });
         if norm(stop) <= most && (normal > 0.0 || norm(c.slip) == 0.0) {
             let rolling = [c.rolling[0] + stop[0] / c.mass, c.rolling[1] + stop[1] / c.mass];
             let middle = 0.5 * (norm(c.rolling_before) + norm(rolling));
             // The speed in the middle of the step with the friction itself, so that a table is followed to second order.
-            let first = limit(self.rolling_at(middle)) / c.mass;
-            let friction = self.rolling_at((middle - 0.5 * first).max(0.0));
+            let first = limit(self.0.rolling_at(middle)) / c.mass;
+            let friction = self.0.rolling_at((middle - 0.5 * first).max(0.0));
             // Rolling friction acts through the contact, too: no more of it than the surface can hold.
             let most_change = limit(friction).min(most - norm(stop)) / c.mass;
             let change = resist(c.rolling_before, rolling, most_change);
@@ -185,21 +183,10 @@ impl Compiled {
             c.footing = if rests { Footing::Resting } else { Footing::Rolling };
             return;
         }
-        let change = resist(c.slip_before, c.slip, limit(self.kinetic_friction) * mobility);
+        let change = resist(c.slip_before, c.slip, limit(self.0.kinetic_friction) * mobility);
         c.impulse = [change[0] / mobility, change[1] / mobility];
         c.couple = [0.0; 2];
         c.footing = Footing::Sliding;
-    }
-
-    /// Coefficient of rolling friction at a speed: straight lines between the rows, constant outside.
-    fn rolling_at(&self, speed: f64) -> f64 {
-        let above = self.rolling.partition_point(|row| row.0 <= speed);
-        match (above.checked_sub(1).map(|below| self.rolling[below]), self.rolling.get(above)) {
-            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (speed - a.0) / (b.0 - a.0),
-            (Some(a), None) => a.1,
-            (None, Some(b)) => b.1,
-            (None, None) => 0.0,
-        }
     }
 }
 

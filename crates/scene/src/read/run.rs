@@ -5,8 +5,8 @@ use granule_units::Dimension;
 use super::{Blocks, keep};
 use crate::reader::{Allowed, Fields, Reader, Variant};
 use crate::scene::{
-    EventBlock, EveryChoice, IntegratorChoice, OutputBlock, OutputChoice, RunBlock, Spanned, StepChoice,
-    TimeStepBlock,
+    EventBlock, EveryChoice, IntegratorChoice, OutputBlock, OutputChoice, RunBlock, SlidesChoice, Spanned,
+    StepChoice, TimeStepBlock,
 };
 use crate::spec::{self, Block};
 use crate::syntax::Node;
@@ -32,11 +32,26 @@ pub fn driver(r: &mut Reader, node: Node<'_>) -> Option<DriverBlock> {
     };
     let step = r.optional(&f, "step", positive);
     let contact_duration = r.optional(&f, "contact_duration", positive);
+    let slides = r.optional(&f, "slides", slides);
     Some(DriverBlock::Event(EventBlock {
         step: step?,
         contact_duration: contact_duration?,
+        slides: slides?,
         span: node.span(),
     }))
+}
+
+fn slides(r: &mut Reader, name: &str, node: Node<'_>) -> Option<Spanned<SlidesChoice>> {
+    let variant = r.variant(name, node, &["Arcs", "EffectiveRestitution"])?;
+    if variant.name == "EffectiveRestitution" {
+        r.block(variant.content, &spec::EFFECTIVE_RESTITUTION, variant.span)?;
+        return Some(Spanned::new(SlidesChoice::EffectiveRestitution, node.span()));
+    }
+    let f = r.block(variant.content, &spec::ARCS, variant.span)?;
+    let error = r.optional(&f, "error", |r, name, node| {
+        r.quantity(name, node, Dimension::LENGTH, Allowed::Positive)
+    })?;
+    Some(Spanned::new(SlidesChoice::Arcs { error: error.map(|error| error.value) }, node.span()))
 }
 
 fn time_step(r: &mut Reader, variant: Variant<'_>) -> Option<TimeStepBlock> {
