@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use crate::bench_event::bench_event;
 use crate::command::{Error, cargo, run};
 
 /// Builds the validation program in release and runs its benchmarks; `words` are options of that program. Results are
@@ -15,8 +16,7 @@ pub fn bench(root: &Path, words: &[String]) -> Result<(), Error> {
     if let [first, rest @ ..] = words
         && first == "event"
     {
-        let example = ["run", "--quiet", "--release", "--package", "granule-events", "--example", "speed"];
-        return run(command.args(example).arg("--").args(rest).current_dir(root));
+        return bench_event(root, rest);
     }
     command.args([
         "run",

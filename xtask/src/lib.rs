@@ -3,6 +3,7 @@
 //! No dependency but the standard library, because everybody builds this first. Physics runs in other programs, in release.
 
 pub mod bench;
+pub mod bench_event;
 pub mod ci;
 pub mod command;
 pub mod directions;

@@ -26,6 +26,9 @@ cargo xtask <task>
                  --single our laws in single precision
                `bench parts` counts the instructions of a step by source file (needs valgrind), `bench plugin`
                measures what it costs that laws are crates, `bench event` the collisions a second of hard spheres
+                 --edmd   folder of the sources of EDMD (github.com/FSmallenburg/EDMD), which then runs in turn
+                 --dynamo folder of the program dynarun (github.com/toastedcrumpets/DynamO), likewise
+                 --quick  one turn, and no more than 10^5 spheres
   figures NAME [--docs]
                compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding, kondic
                  --docs   write them into docs/ instead
