@@ -41,6 +41,8 @@ pub enum Command {
     Trade(TradeArguments),
     /// Say what happens in a scene, which of its physics acts, and what could be left out
     Advise(AdviseArguments),
+    /// Run bodies on a substrate in time steps, with contacts with a plane, and hard, and tell what each costs
+    CompareModels(CompareModelsArguments),
     /// What the laws of a scene do in a single contact
     Law {
         /// What to do.
@@ -190,9 +192,35 @@ pub struct AdviseArguments {
     pub quiet: bool,
 }
 
+/// `granule compare-models`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = COMPARE_MODELS_HELP)]
+pub struct CompareModelsArguments {
+    /// Scene file with a `substrate`
+    pub scene: PathBuf,
+    /// Simulated time of every run in s [default: that of the scene]
+    #[arg(long, value_name = "SECONDS", value_parser = share)]
+    pub duration: Option<f64>,
+    /// Runs of each model; scenes of at most 16 bodies are run once
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(2..=1000))]
+    pub runs: u64,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Show no progress
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+const COMPARE_MODELS_HELP: &str = "\
+(a) time steps on the substrate            needs laws of contact
+(b) time steps on a plane wall             needs laws of contact; the reference, where it can be run
+(c) hard bodies along arcs                 rules of collision, or those that the laws of contact amount to
+(d) hard bodies, effective restitution     the same; slides are over at once";
+
 fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("a relative change is a positive number".to_string()),
+        _ => Err("this must be a positive number".to_string()),
     }
 }

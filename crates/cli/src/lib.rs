@@ -21,6 +21,7 @@ pub fn main() -> ExitCode {
         Command::Check { scenes } => commands::check::check(&scenes),
         Command::Trade(arguments) => commands::trade::trade(&arguments),
         Command::Advise(arguments) => commands::advise::advise(&arguments),
+        Command::CompareModels(arguments) => commands::compare_models::compare(&arguments),
         Command::Law { command: LawCommand::Check { scene, speed } } => commands::law::check(&scene, speed),
         Command::Calibrate(arguments) => commands::calibrate::calibrate(&arguments),
         Command::Selftest(arguments) => commands::selftest::selftest(&arguments),

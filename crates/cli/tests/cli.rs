@@ -305,6 +305,66 @@ fn laws_of_a_scene_are_checked_in_a_single_contact() {
     case.granule(&["law", "check", "none.ron"]).exits(1);
 }
 
+/// Two rolling beads that meet head on: the effective restitution of Kondic 1999, Eq. (68), is (0.9 · 2.5 - 1)/3.5.
+#[test]
+fn models_of_beads_on_a_substrate_are_compared() {
+    let case = Case::new();
+    let bead = |x: f64, v: f64| {
+        format!(
+            "Sphere(material: \"steel\", radius: 0.002, position: ({x}, 0, 0.002), velocity: ({v}, 0, 0), spin: (0, {}, 0))",
+            v / 0.002
+        )
+    };
+    let text = |contact: &str, driver: &str| {
+        format!(
+            "(version: 1, gravity: (0, 0, -9.81), materials: {{ \"steel\": (density: 7850) }}, bodies: [{}, {}],
+              substrate: (laws: {{ \"steel\": StickSlip(friction: 0.1) }}),
+              contacts: [(between: (\"steel\", \"steel\"), {contact})], {driver} run: (duration: \"40 ms\"))",
+            bead(0.0021, -0.05),
+            bead(-0.0021, 0.05)
+        )
+    };
+    let soft =
+        "contact_end: Overlap, normal: LinearSpringDashpot(restitution: 0.9, contact_duration: \"2e-5 s\")";
+    case.write("soft.ron", &text(soft, ""));
+    case.write(
+        "hard.ron",
+        &text("collision: HardSphere(restitution: 0.9)", "driver: Event(contact_duration: 2e-5),"),
+    );
+    case.write("pair.ron", &scene("(duration: \"1 ms\")", "[]"));
+    for name in ["soft.ron", "hard.ron"] {
+        let done = case.granule(&["compare-models", name, "--quiet"]);
+        done.exits(0);
+        for words in [
+            "(a) substrate",
+            "(b) contacts",
+            "(c) hard bodies along arcs",
+            "(d) hard bodies",
+            "differences from (b)",
+        ] {
+            assert!(done.out.contains(words), "{words} not in\n{}", done.out);
+        }
+        let json: serde_json::Value =
+            serde_json::from_str(&case.granule(&["compare-models", name, "--quiet", "--json"]).out).unwrap();
+        assert_eq!(json["reference"], "contact");
+        let models = json["models"].as_array().unwrap();
+        assert_eq!(models.len(), 4);
+        for model in models {
+            let velocity = model["differences"][1]["value"].as_f64().unwrap();
+            // Friction of the plane during a soft contact, of 2e-5 s and more, is left out: half a per cent of the speed.
+            assert!((velocity - 0.05 * 1.25 / 3.5).abs() < 0.005 * 0.05, "{model}");
+            assert!(model["seconds_per_simulated_second"].as_f64().unwrap() > 0.0);
+        }
+        // Arcs keep the way of the slide, a collision without one does not.
+        let way = |index: usize| models[index]["differences"][0]["difference"].as_f64().unwrap();
+        assert!(way(1) < 0.02 && way(2) < 0.02 && way(3) > 0.2, "{json}");
+    }
+    let done = case.granule(&["compare-models", "pair.ron"]);
+    done.exits(1);
+    assert!(done.err.contains("substrate"), "{}", done.err);
+    case.granule(&["compare-models", "soft.ron", "--duration", "0"]).exits(2);
+}
+
 #[test]
 fn quiet_is_quiet() {
     let case = Case::new();

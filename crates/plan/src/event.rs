@@ -21,7 +21,7 @@ const CONTACT_SHARE: f64 = 1e-4;
 /// They bounce by the square of this, 1e-5 of a diameter.
 const CONTACT_SHARE_ON_SUBSTRATE: f64 = 1e-2;
 /// Default error of a piece of an arc as a share of the smallest radius.
-const ARC_ERROR: f64 = 1e-4;
+const ARC_ERROR: f64 = 1e-3;
 /// Steps of a run that says nothing about them.
 const STEPS: f64 = 100.0;
 

@@ -107,7 +107,8 @@ fn rule(plan: &Plan, pair: (usize, usize), step: f64) -> Result<Option<Rule>, St
             return Err("cohesion, rolling and torsion have no rule of hard bodies".into());
         }
         let friction = composition.stages.iter().find(|stage| stage.slot == Slot::Tangential).map(|stage| {
-            let value = stage.params.values().iter().find(|(name, _)| *name == "friction");
+            let value =
+                stage.params.values().iter().find(|(name, _)| ["friction", "shear_friction"].contains(name));
             value.map_or(f64::INFINITY, |(_, value)| *value)
         });
         for size in sizes(&composition.context) {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use granule_drivers::{Advance, Driver, EventDriver, TimeStepDriver};
+use granule_drivers::{Advance, Driver, EventDriver, RollingDriver, TimeStepDriver};
 use granule_law_api::Registry;
 use granule_observers::Energy;
 use granule_plan::Plan;
@@ -120,6 +120,11 @@ impl Subject<'_> {
     fn once(&self, plan: &Arc<Plan>, stop: &AtomicBool) -> Result<Sample, Option<String>> {
         let failed = |error: granule_drivers::EngineError| Some(error.to_string());
         let count = plan.bodies.len().max(1) as f64;
+        if plan.event.is_some() && plan.substrate.is_some() {
+            let mut driver = RollingDriver::new(plan.clone()).map_err(failed)?;
+            let sample = self.follow(plan, &mut driver, stop)?;
+            return Ok(Sample { bytes_per_body: driver.engine().bytes() as f64 / count, ..sample });
+        }
         if plan.event.is_some() {
             let mut driver = EventDriver::new(plan.clone()).map_err(failed)?;
             let sample = self.follow(plan, &mut driver, stop)?;

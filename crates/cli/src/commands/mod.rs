@@ -3,6 +3,7 @@
 pub mod advise;
 pub mod calibrate;
 pub mod check;
+pub mod compare_models;
 pub mod explain;
 pub mod law;
 pub mod laws;

@@ -39,7 +39,7 @@ pub const ARCS: Block = Block {
     fields: &[opt(
         "error",
         "length in m, greater than 0",
-        "1e-4 of the smallest radius",
+        "1e-3 of the smallest radius",
         "Aim for the error of a place over one piece of an arc. Where the plate accelerates or is tilted, the direction of \
          friction turns, and arcs are cut into pieces of constant friction; the error of a piece is of the third order in \
          its length. Elsewhere arcs are exact.",
