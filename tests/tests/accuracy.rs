@@ -37,7 +37,7 @@ fn planned(choice: &Choice) -> granule_plan::Plan {
 }
 
 /// The stated error holds at phases of the step at which it was not measured. It is 1.25 times the worst of 48 phases that
-/// cover the step evenly; between two of them the error changes by a few per cent of itself.
+/// cover the step evenly and of one at its very end; between two of them the error changes by a few per cent of itself.
 #[test]
 fn a_stated_error_holds_at_other_phases() {
     let spring = ", tangential: TangentialSpring(stiffness: 285, friction: 0.4)";
@@ -121,7 +121,7 @@ fn a_table_decides_for_its_scene() {
     assert_eq!(choice.setting, best.setting);
     planned(&choice);
     let stricter = decided(&scene(normal, "", &wish(1e-3))).unwrap().unwrap();
-    assert!(stricter.setting.steps_per_contact > choice.setting.steps_per_contact);
+    assert!(stricter.error <= 1e-3, "{}", stricter.why());
     let time = format!("budget: (seconds: {:?}, table: {place:?})", 100.0 * choice.seconds.unwrap());
     assert!(decided(&scene(normal, "", &time)).unwrap().unwrap().error <= choice.error);
     let other = scene(&normal.replace("0.9", "0.8"), "", &wish(0.01));

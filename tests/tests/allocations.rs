@@ -51,8 +51,8 @@ const HEAP: &str = r#"(version: 1, seed: 7, gravity: (0, 0, -9.81), materials: {
     ledger: true, driver: TimeStep(step: "5 us"), run: (steps: 100000))"#;
 
 /// Steps of the heap that do not rebuild the outer list, on some threads: how many prunings and allocations they held.
-fn steps(threads: usize) -> (u64, u64) {
-    let mut engine = Engine::new(plan(HEAP), threads).unwrap();
+fn steps(text: &str, threads: usize) -> (u64, u64) {
+    let mut engine = Engine::new(plan(text), threads).unwrap();
     engine.advance(1000, &mut |_| {}).unwrap();
     let (mut prunings, mut allocations) = (0, 0);
     for _ in 0..200 {
@@ -79,7 +79,10 @@ fn nothing_allocates_in_a_step() {
     let copy = std::hint::black_box(text.clone());
     COUNTS.store(false, Ordering::Relaxed);
     assert_eq!((copy, ALLOCATIONS.load(Ordering::Relaxed)), (text, 1), "the counter counts");
-    let (prunings, allocations) = steps(1);
-    assert!(prunings > 3, "lists were pruned {prunings} times");
-    assert_eq!(allocations, 0, "on one thread");
+    for integrator in ["VelocityVerlet", "ContactResolved"] {
+        let heap = HEAP.replace("TimeStep(", &format!("TimeStep(integrator: {integrator}, "));
+        let (prunings, allocations) = steps(&heap, 1);
+        assert!(prunings > 3, "{integrator}: lists were pruned {prunings} times");
+        assert_eq!(allocations, 0, "{integrator} on one thread");
+    }
 }

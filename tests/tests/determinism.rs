@@ -35,8 +35,11 @@ fn discs(steps: u64) -> String {
 /// Case F15: 10^4 steps of a frictional pile, bitwise on 1, 2, 4 and 7 threads.
 #[test]
 fn same_bits_on_any_number_of_threads() {
-    for step in ["5 us", "2.5 us"] {
-        let text = pile(step, 10_000);
+    for (step, integrator) in
+        [("5 us", "VelocityVerlet"), ("2.5 us", "VelocityVerlet"), ("5 us", "ContactResolved")]
+    {
+        let text = pile(step, 10_000)
+            .replace("TimeStep(", &format!("TimeStep(integrator: {integrator}, packing_limit: false, "));
         let hash = |threads| {
             let mut driver = driver_with(&text, threads);
             advance(&mut driver, 10_000);
@@ -46,7 +49,7 @@ fn same_bits_on_any_number_of_threads() {
         };
         let one = hash(1);
         for threads in [2, 4, 7] {
-            assert_eq!(hash(threads), one, "{threads} threads, {step}");
+            assert_eq!(hash(threads), one, "{threads} threads, {step}, {integrator}");
         }
     }
 }
@@ -58,10 +61,18 @@ fn same_bits_on_every_instruction_set() {
     let tangential =
         ",\n            tangential: TangentialSpring(stiffness: 285, friction: 0.5, damping: 1e-3)";
     let smooth = pile("5 us", 3000).replace(tangential, "");
+    let resolved = |text: String| {
+        text.replace("TimeStep(", "TimeStep(integrator: ContactResolved, packing_limit: false, ")
+    };
     let single = pile("5 us", 3000).replace("seed: 7,", "seed: 7, precision: Single,");
-    for (name, text) in
-        [("space", pile("5 us", 3000)), ("plane", discs(3000)), ("smooth", smooth), ("single", single)]
-    {
+    for (name, text) in [
+        ("space", pile("5 us", 3000)),
+        ("plane", discs(3000)),
+        ("smooth", smooth),
+        ("single", single),
+        ("resolved in space", resolved(pile("5 us", 3000))),
+        ("resolved in the plane", resolved(discs(3000))),
+    ] {
         let hash = |instructions| {
             let mut engine = Engine::with_instructions(plan(&text), 2, instructions).unwrap();
             engine.advance(3000, &mut |_| {}).unwrap();

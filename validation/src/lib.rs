@@ -11,6 +11,7 @@ pub mod figures;
 pub mod ours;
 pub mod peers;
 pub mod pile;
+pub mod race;
 pub mod translate;
 pub mod two_bodies;
 pub mod validate;

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use granule_validation::{bench, validate};
+use granule_validation::{bench, race, validate};
 
 const USAGE: &str = "usage: granule-validation validate [--out DIR] [--case NAME]... [--record]
        granule-validation bench [CASE]... [--all] [--list] [--cores N,N..] [--pairs N] [--steps N] [--single] [--out DIR]
-       granule-validation bench parts|plugin [--pairs N] [--out DIR]";
+       granule-validation bench parts|plugin [--pairs N] [--out DIR]
+       granule-validation bench accuracy [CONTEST]... [--out DIR]";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -67,11 +68,14 @@ fn bench_with(words: &[String]) -> Result<bool, String> {
             option if option.starts_with('-') => {
                 return Err(format!("`{option}` is not an option\n{USAGE}"));
             }
-            "parts" | "plugin" => special = Some(word.as_str()),
+            "parts" | "plugin" | "accuracy" => special = Some(word.as_str()),
             name => options.words.push(name.to_string()),
         }
     }
     match special {
+        Some("accuracy") => {
+            race::race(&race::Options { out: options.out, words: options.words }).map(|_| true)
+        }
         Some("parts") => bench::parts(&options.out).map(|()| true),
         Some(_) => bench::plug_in_cost(&options).map(|result| result.same_bits),
         None => bench::bench(&options).map(|_| true),

@@ -106,6 +106,7 @@ pub(crate) fn bodies(plan: &Plan, states: &[BodyState]) -> Bodies {
         planar: plan.dimensions == Dimensions::Two,
         rotation: plan.rotation,
         previous_acceleration: false,
+        predicted_acceleration: false,
         surface: false,
     };
     let table = &plan.bodies;

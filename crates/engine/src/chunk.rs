@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use granule_law_api::{Arm, Columns, ContactChunk, EnergyColumns, Real, Stage};
 use granule_plan::Composition;
+use nalgebra::Vector3;
 
 use crate::tally::Tally;
 
@@ -131,6 +132,25 @@ impl<T: Real> Batch<T> {
         for k in count..count.next_multiple_of(4).min(BATCH) {
             (self.pair[k], self.i[k]) = (self.pair[0], self.i[0]);
             (self.j[k], self.to[k]) = (self.j[0], self.to[0]);
+        }
+    }
+
+    /// Separation of the centres of contact `k`.
+    pub fn separation_of(&self, k: usize) -> Vector3<f64> {
+        Vector3::new(self.separation[0][k], self.separation[1][k], self.separation[2][k])
+    }
+
+    /// Takes contact `k` out before its kinematics are gathered: the last one takes its place.
+    pub fn withdraw(&mut self, k: usize) {
+        self.count -= 1;
+        let last = self.count;
+        for column in
+            self.separation.iter_mut().chain([&mut self.distance_squared, &mut self.touching_distance])
+        {
+            column[k] = column[last];
+        }
+        for column in [&mut self.pair, &mut self.i, &mut self.j, &mut self.to] {
+            column[k] = column[last];
         }
     }
 

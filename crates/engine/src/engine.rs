@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 use crate::error::EngineError;
 use crate::level::Level;
 use crate::lists::Lists;
+use crate::resolve::StepRows;
 use crate::slices::{Rows, sweep, visit};
 use crate::substrate::{self, SubstrateTally};
 use crate::tally::{ContactPartner, ContactRecord, Tally, Work};
@@ -50,6 +51,8 @@ pub struct Engine {
     evaluation: u32,
     /// Time at which forces were evaluated last \[s\].
     force_time: f64,
+    /// Bound of what any distance has changed since the last force evaluation \[m\].
+    moved: f64,
     /// The radius of all bodies, if they have the same bits.
     radius: Option<f64>,
     /// Walls at the time of the last force evaluation.
@@ -84,6 +87,7 @@ impl Engine {
             planar,
             rotation: plan.rotation,
             previous_acceleration: integrator.needs_previous(),
+            predicted_acceleration: integrator.needs_predicted(),
             surface: plan.substrate.is_some(),
         };
         let bodies = Bodies::new(layout, inputs(&plan));
@@ -108,6 +112,7 @@ impl Engine {
             step: 0,
             evaluation: 2,
             force_time: 0.0,
+            moved: 0.0,
             radius,
             walls: Vec::new(),
             work: Work::default(),
@@ -120,6 +125,7 @@ impl Engine {
         if engine.plan.substrate.is_some() {
             engine.settle(0.0);
         }
+        engine.bodies.remember_accelerations();
         engine.check_finite(f64::NAN)?;
         Ok(engine)
     }
@@ -279,7 +285,9 @@ impl Engine {
     fn pass(&mut self, kind: Sweep) -> Result<(), EngineError> {
         let pass = self.sweep(kind);
         self.check_finite(pass.poison)?;
-        self.lists.travel(pass.maximum_displacement_squared.sqrt());
+        let travelled = pass.maximum_displacement_squared.sqrt();
+        self.lists.travel(travelled);
+        self.moved += 2.0 * travelled;
         Ok(())
     }
 
@@ -300,8 +308,9 @@ impl Engine {
 
     fn update_lists(&mut self, time: f64) -> Result<(), EngineError> {
         let walls_moved = self.wall_travel(time);
-        let Self { bodies, lists, plan, pool, evaluation, walls, .. } = self;
+        let Self { bodies, lists, plan, pool, evaluation, walls, moved, .. } = self;
         lists.travel(walls_moved);
+        *moved += walls_moved;
         let last = evaluation.wrapping_sub(1);
         let parallel = pool.is_some();
         let mut update = || -> Result<(), EngineError> {
@@ -341,9 +350,11 @@ impl Engine {
     }
 
     fn evaluate(&mut self, time: f64, time_step: f64, observe: bool) {
-        let Self { bodies, lists, level, plan, pool, evaluation, tally, work, radius, walls, .. } = self;
+        let Self { bodies, lists, level, plan, pool, evaluation, tally, work, radius, walls, moved, .. } =
+            self;
         move_walls(walls, plan, time);
         let size = lists.tile_size;
+        let resolves = plan.driver.scheme == Scheme::ContactResolved && time_step > 0.0;
         let mut force = std::mem::take(&mut bodies.force);
         let mut torque = std::mem::take(&mut bodies.torque);
         let at = Evaluation {
@@ -358,6 +369,14 @@ impl Engine {
             now: *evaluation,
             ledger: plan.ledger,
             overlap: observe,
+            resolved: resolves.then_some(StepRows {
+                previous: &bodies.previous_acceleration,
+                previous_angular: &bodies.previous_angular_acceleration,
+                predicted: &bodies.predicted_acceleration,
+                predicted_angular: &bodies.predicted_angular_acceleration,
+                margin: *moved,
+            }),
+            marks: plan.driver.scheme == Scheme::ContactResolved,
         };
         let mut run = |parallel| {
             crate::slices::forces(&mut lists.tiles, &mut force, &mut torque, size, parallel, level, &at);
@@ -368,6 +387,10 @@ impl Engine {
         }
         bodies.force = force;
         bodies.torque = torque;
+        *moved = 0.0;
+        for impulse in lists.tiles.iter().flat_map(|tile| &tile.impulses) {
+            impulse.act(bodies);
+        }
         let before = tally.powers();
         tally.reset();
         for tile in &lists.tiles {
@@ -419,6 +442,7 @@ fn scheme(scheme: Scheme) -> Box<dyn Integrator> {
     let name = match scheme {
         Scheme::VelocityVerlet => "VelocityVerlet",
         Scheme::ClassicVelocityVerlet => "ClassicVelocityVerlet",
+        Scheme::ContactResolved => "ContactResolved",
         Scheme::Leapfrog => "Leapfrog",
         Scheme::SymplecticEuler => "SymplecticEuler",
     };

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use granule_law_api::{Real, Stage};
-use granule_plan::{Plan, Precision, StagePlan};
+use granule_plan::{Plan, Precision, Scheme, StagePlan};
 use granule_state::{InstructionSet, Lanes, Row};
 
 use crate::chunk::Batch;
@@ -53,6 +53,8 @@ impl Arithmetic for f32 {
 pub(crate) struct Arena<T> {
     pub stages: Vec<Vec<Arc<dyn Stage<T>>>>,
     batches: Vec<Mutex<Box<Batch<T>>>>,
+    /// For contacts that are looked at one by one.
+    singles: Vec<Mutex<Box<Batch<T>>>>,
 }
 
 impl<T: Arithmetic> Arena<T> {
@@ -71,15 +73,25 @@ impl<T: Arithmetic> Arena<T> {
             .map(|composition| composition.stages.iter().map(compiled).collect())
             .collect::<Result<_, _>>()?;
         let width = history_width(plan);
-        let batches = (0..threads).map(|_| Mutex::new(Box::new(Batch::new(width)))).collect();
-        Ok(Self { stages, batches })
+        let batches = |count: usize| (0..count).map(|_| Mutex::new(Box::new(Batch::new(width)))).collect();
+        let singles = if plan.driver.scheme == Scheme::ContactResolved { threads } else { 0 };
+        Ok(Self { stages, batches: batches(threads), singles: batches(singles) })
     }
 
     /// The batch of the current thread. A panic in a law poisons the lock of a batch, whose contents do not matter.
     pub fn batch(&self) -> MutexGuard<'_, Box<Batch<T>>> {
-        let thread = rayon::current_thread_index().unwrap_or(0) % self.batches.len();
-        self.batches[thread].lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+        of_thread(&self.batches)
     }
+
+    /// A batch of the current thread for one contact; only a scheme that resolves contacts has it.
+    pub fn single(&self) -> MutexGuard<'_, Box<Batch<T>>> {
+        of_thread(&self.singles)
+    }
+}
+
+fn of_thread<T>(batches: &[Mutex<Box<Batch<T>>>]) -> MutexGuard<'_, Box<Batch<T>>> {
+    let thread = rayon::current_thread_index().unwrap_or(0) % batches.len();
+    batches[thread].lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 /// Arithmetic and layout of a run.

@@ -16,6 +16,8 @@ pub(crate) struct Rows<'a> {
     torque: &'a mut [Row],
     previous: &'a mut [Row],
     previous_angular: &'a mut [Row],
+    predicted: &'a mut [Row],
+    predicted_angular: &'a mut [Row],
     planar_inverse_inertia: &'a [f64],
     planar: bool,
 }
@@ -31,6 +33,8 @@ impl<'a> Rows<'a> {
             torque: &mut bodies.torque,
             previous: &mut bodies.previous_acceleration,
             previous_angular: &mut bodies.previous_angular_acceleration,
+            predicted: &mut bodies.predicted_acceleration,
+            predicted_angular: &mut bodies.predicted_angular_acceleration,
             planar_inverse_inertia: &bodies.planar_inverse_inertia,
             planar,
         }
@@ -48,6 +52,8 @@ impl<'a> Rows<'a> {
         let (torque, torque_rest) = cut(self.torque, at);
         let (previous, previous_rest) = cut(self.previous, at);
         let (previous_angular, previous_angular_rest) = cut(self.previous_angular, at);
+        let (predicted, predicted_rest) = cut(self.predicted, at);
+        let (predicted_angular, predicted_angular_rest) = cut(self.predicted_angular, at);
         let (inertia, inertia_rest) =
             self.planar_inverse_inertia.split_at(at.min(self.planar_inverse_inertia.len()));
         let planar = self.planar;
@@ -60,6 +66,8 @@ impl<'a> Rows<'a> {
                 torque,
                 previous,
                 previous_angular,
+                predicted,
+                predicted_angular,
                 planar_inverse_inertia: inertia,
                 planar,
             },
@@ -71,6 +79,8 @@ impl<'a> Rows<'a> {
                 torque: torque_rest,
                 previous: previous_rest,
                 previous_angular: previous_angular_rest,
+                predicted: predicted_rest,
+                predicted_angular: predicted_angular_rest,
                 planar_inverse_inertia: inertia_rest,
                 planar,
             },
@@ -135,6 +145,8 @@ pub(crate) fn sweep(
         torque: rows.torque,
         previous: rows.previous,
         previous_angular: rows.previous_angular,
+        predicted: rows.predicted,
+        predicted_angular: rows.predicted_angular,
         planar_inverse_inertia: rows.planar_inverse_inertia,
         planar: rows.planar,
         instructions: level.instructions,

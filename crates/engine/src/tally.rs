@@ -2,6 +2,8 @@
 
 use granule_law_api::Slot;
 
+use crate::resolve::Losses;
+
 /// Sums over all contacts of one force evaluation. Partial sums of tiles are added in the order of the tiles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
@@ -19,6 +21,8 @@ pub struct Tally {
     pub friction: [f64; Slot::ALL.len()],
     /// Energy lost by sliding within the step that ends now \[J\] by slot; zero without the energy ledger.
     pub slipped: [f64; Slot::ALL.len()],
+    /// What contacts that begin or end within the step lose beyond the trapezoidal rule.
+    pub lacking: Losses,
     /// Power that moving walls exert on the bodies \[W\].
     pub wall_power: f64,
     /// Force of the bodies on each wall \[N\].
@@ -41,6 +45,7 @@ impl Tally {
             viscous: self.viscous,
             friction: self.friction,
             slipped: self.slipped,
+            lacking: self.lacking,
             walls: self.wall_power,
         }
     }
@@ -49,11 +54,10 @@ impl Tally {
         self.contacts += other.contacts;
         self.wall_contacts += other.wall_contacts;
         self.maximum_overlap = self.maximum_overlap.max(other.maximum_overlap);
+        self.add_energies(other, 1.0);
         for slot in 0..Slot::ALL.len() {
-            self.elastic[slot] += other.elastic[slot];
-            self.viscous[slot] += other.viscous[slot];
-            self.friction[slot] += other.friction[slot];
-            self.slipped[slot] += other.slipped[slot];
+            self.lacking.viscous[slot] += other.lacking.viscous[slot];
+            self.lacking.friction[slot] += other.lacking.friction[slot];
         }
         self.wall_power += other.wall_power;
         for (sum, part) in self.wall_force.iter_mut().zip(&other.wall_force) {
@@ -64,12 +68,25 @@ impl Tally {
     }
 }
 
+impl Tally {
+    /// Adds energies and powers of contacts, times a sign.
+    pub(crate) fn add_energies(&mut self, other: &Self, sign: f64) {
+        for slot in 0..Slot::ALL.len() {
+            self.elastic[slot] += sign * other.elastic[slot];
+            self.viscous[slot] += sign * other.viscous[slot];
+            self.friction[slot] += sign * other.friction[slot];
+            self.slipped[slot] += sign * other.slipped[slot];
+        }
+    }
+}
+
 /// The powers of a tally.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Powers {
     viscous: [f64; Slot::ALL.len()],
     friction: [f64; Slot::ALL.len()],
     slipped: [f64; Slot::ALL.len()],
+    lacking: Losses,
     walls: f64,
 }
 
@@ -89,8 +106,11 @@ impl Work {
     pub(crate) fn accumulate(&mut self, before: &Powers, after: &Powers, time_step: f64) {
         let mean = |a: f64, b: f64| 0.5 * (a + b) * time_step;
         for slot in 0..Slot::ALL.len() {
-            self.viscous[slot] += mean(before.viscous[slot], after.viscous[slot]);
-            self.friction[slot] += mean(before.friction[slot], after.friction[slot]) + after.slipped[slot];
+            self.viscous[slot] +=
+                mean(before.viscous[slot], after.viscous[slot]) + after.lacking.viscous[slot];
+            self.friction[slot] += mean(before.friction[slot], after.friction[slot])
+                + after.slipped[slot]
+                + after.lacking.friction[slot];
         }
         self.walls += mean(before.walls, after.walls);
     }

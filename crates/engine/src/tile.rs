@@ -9,6 +9,7 @@ use crate::gather::{find_contacts, gather_kinematics};
 use crate::history::PairHistory;
 use crate::level::{Arena, Arithmetic, Level};
 use crate::list::ForceList;
+use crate::resolve::{Impulse, Marks, Path, Resolver, StepRows, history_before};
 use crate::scatter::{Sums, scatter};
 use crate::space::Space;
 use crate::tally::Tally;
@@ -76,6 +77,10 @@ pub(crate) struct Tile {
     pub outbox: Vec<Outgoing>,
     pub inbox: Vec<Incoming>,
     pub walls: WallList,
+    /// What contacts that begin or end within the step give besides their forces.
+    pub impulses: Vec<Impulse>,
+    /// Which pairs touched, for a scheme that wants to know.
+    pub marks: Marks,
     pub tally: Tally,
 }
 
@@ -97,6 +102,10 @@ pub(crate) struct Evaluation<'a> {
     pub ledger: bool,
     /// The largest overlap is sought.
     pub overlap: bool,
+    /// The step whose contacts are resolved where they begin and end, if they are.
+    pub resolved: Option<StepRows<'a>>,
+    /// Pairs that touch are marked.
+    pub marks: bool,
 }
 
 /// Rows that all tiles read while each writes its own forces.
@@ -132,6 +141,10 @@ impl Tile {
     /// Computes the forces of all contacts that this tile owns. `force` and `torque` are the rows of its bodies.
     pub fn evaluate(&mut self, level: &Level, at: &Evaluation<'_>, force: &mut [Row], torque: &mut [Row]) {
         self.tally.reset();
+        self.impulses.clear();
+        if at.marks {
+            self.marks.begin(self.inner.len());
+        }
         // Pairs that do not touch leave their slots alone.
         self.outbox.fill(Outgoing::default());
         level.evaluate(self, at, force, torque);
@@ -156,7 +169,8 @@ impl Tile {
         self.list.check_sums(force, torque, &self.outbox);
         for index in 0..self.inner_ranges.len() {
             let range = self.inner_ranges[index];
-            let reach = at.compositions[range.composition as usize].reach;
+            let margin = at.resolved.map_or(0.0, |rows| rows.margin);
+            let reach = at.compositions[range.composition as usize].reach + margin;
             let mut next = range.start as usize;
             let end = range.end as usize;
             while next < end {
@@ -183,6 +197,12 @@ impl Tile {
         (force, torque): (&mut [Row], &mut [Row]),
     ) {
         let composition = &at.compositions[index];
+        if at.resolved.is_some() {
+            self.take_apart::<S, T>(batch, arena, index, at);
+            if batch.count == 0 {
+                return;
+            }
+        }
         gather_kinematics::<S, T, L>(batch, &self.list.view(at.bodies), at, composition);
         let remembers = composition.history_width > 0;
         if remembers {
@@ -190,6 +210,9 @@ impl Tile {
         }
         let tally = at.ledger.then_some(&mut self.tally);
         batch.run(composition, &arena.stages[index], at.time_step, tally);
+        if at.marks {
+            self.resolve_touching::<S, T>(batch, arena, index, at);
+        }
         if remembers {
             self.history.store::<T, L>(batch, at.now);
         }
@@ -201,6 +224,72 @@ impl Tile {
         let rolls = composition.writes.contains(Columns::TORQUE);
         let mut sums = Sums { force, torque, outbox: &mut self.outbox };
         scatter::<S, T, L>(batch, &mut sums, tangential, rolls, at.radius.is_some());
+    }
+
+    /// Takes the pairs that do not touch out of a batch; those of them that did at the beginning of the step get the impulse
+    /// of their end.
+    fn take_apart<S: Space, T: Arithmetic>(
+        &mut self,
+        batch: &mut Batch<T>,
+        arena: &Arena<T>,
+        index: usize,
+        at: &Evaluation<'_>,
+    ) {
+        let Some(rows) = &at.resolved else { return };
+        let composition = &at.compositions[index];
+        let Self { first, history, marks, impulses, tally, .. } = self;
+        let mut single = arena.single();
+        let mut laws = Resolver::new(&mut single, arena, index, at, impulses, tally);
+        let mut k = 0;
+        while k < batch.count {
+            let limit = batch.touching_distance[k] + composition.reach;
+            if batch.distance_squared[k] < limit * limit {
+                k += 1;
+                continue;
+            }
+            let pair = batch.pair[k];
+            let forceless = marks.was_clipped(pair) && !at.ledger;
+            if marks.touched(pair) != Some(false) && !forceless {
+                let (i, j) = (*first + batch.i[k] as usize, batch.j[k] as usize);
+                let path = Path::of_bodies::<S>(at, rows, composition, (i, j), batch.separation_of(k));
+                laws.ended(&path, history_before(history, pair, at.now), (i as u32, Some(j as u32)));
+            }
+            batch.withdraw(k);
+        }
+        batch.close(batch.count);
+    }
+
+    /// Marks the contacts of a batch, and resolves those that have begun or come to the end of their force within the step.
+    fn resolve_touching<S: Space, T: Arithmetic>(
+        &mut self,
+        batch: &mut Batch<T>,
+        arena: &Arena<T>,
+        index: usize,
+        at: &Evaluation<'_>,
+    ) {
+        let composition = &at.compositions[index];
+        let Self { first, history, marks, impulses, tally, .. } = self;
+        let mut single = arena.single();
+        let mut laws = Resolver::new(&mut single, arena, index, at, impulses, tally);
+        for k in 0..batch.len() {
+            let pair = batch.pair[k];
+            marks.touches(pair);
+            let clipped = laws.is_clipped(batch, k);
+            if clipped {
+                marks.is_clipped(pair);
+            }
+            let Some(rows) = &at.resolved else { continue };
+            let begun = match marks.touched(pair) {
+                Some(touched) => !touched,
+                None => batch.overlap[k].wide() + composition.reach <= rows.margin,
+            };
+            if begun || (clipped && !marks.was_clipped(pair)) {
+                let (i, j) = (*first + batch.i[k] as usize, batch.j[k] as usize);
+                let path = Path::of_bodies::<S>(at, rows, composition, (i, j), batch.separation_of(k));
+                let before = history_before(history, pair, at.now);
+                laws.touching(batch, k, &path, before, (i as u32, Some(j as u32)));
+            }
+        }
     }
 
     /// Adds what other tiles have computed for the bodies of this one, in the order of those tiles.
@@ -223,6 +312,8 @@ impl Tile {
             + self.inner_outer.capacity() * 4
             + self.list.bytes()
             + self.history.bytes()
+            + self.marks.bytes()
+            + self.impulses.capacity() * size_of::<Impulse>()
             + self.outbox.capacity() * size_of::<Outgoing>()
             + self.inbox.capacity() * size_of::<Incoming>()
             + self.walls.bytes()

@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use crate::chunk::{BATCH, Batch, share};
 use crate::history::PairHistory;
 use crate::level::{Arena, Arithmetic};
+use crate::resolve::{Path, Resolver, history_before};
 use crate::scatter::wrenches;
 use crate::space::Space;
 use crate::tile::{Evaluation, Range, Tile};
@@ -58,6 +59,9 @@ impl Tile {
             let range = self.walls.ranges[index];
             let composition = &at.compositions[range.composition as usize];
             let mut next = range.start as usize;
+            if at.resolved.is_some() {
+                self.leave_walls::<S, T>(arena, range, at);
+            }
             while next < range.end as usize {
                 next = self.gather_wall_contacts::<S, T>(batch, next..range.end as usize, composition, at);
                 if batch.count > 0 {
@@ -129,6 +133,9 @@ impl Tile {
         }
         let tally = at.ledger.then_some(&mut self.tally);
         batch.run(composition, &arena.stages[index], at.time_step, tally);
+        if at.resolved.is_some() {
+            self.resolve_wall_contacts::<S, T>(batch, arena, index, at);
+        }
         if remembers {
             self.walls.history.store::<T, L>(batch, at.now);
         }
@@ -162,6 +169,58 @@ impl Tile {
                     self.tally.wall_power += wall_power(moving, prescribed, row, f);
                 }
             }
+        }
+    }
+}
+
+impl Tile {
+    /// Impulses of the bodies that touched a wall at the beginning of the step and do not at its end.
+    fn leave_walls<S: Space, T: Arithmetic>(&mut self, arena: &Arena<T>, range: Range, at: &Evaluation<'_>) {
+        let Some(rows) = &at.resolved else { return };
+        let composition = &at.compositions[range.composition as usize];
+        let mut single = arena.single();
+        let (impulses, tally) = (&mut self.impulses, &mut self.tally);
+        let index = range.composition as usize;
+        let mut laws = Resolver::new(&mut single, arena, index, at, impulses, tally);
+        for number in range.start..range.end {
+            let pair = self.walls.pairs[number as usize];
+            let wall = &at.walls[pair.wall as usize];
+            let place = self.first + pair.body as usize;
+            let row = at.bodies.position[place];
+            let distance = wall.surface.contact(Vector3::new(row[0], row[1], row[2])).distance;
+            let gap = distance - row[3] - composition.reach;
+            if gap >= 0.0 && gap < rows.margin {
+                let prescribed = &at.wall_plans[pair.wall as usize].wall;
+                let path = Path::at_wall::<S>(at, rows, composition, place, (prescribed, wall.time));
+                let before = history_before(&self.walls.history, number, at.now);
+                laws.ended(&path, before, (place as u32, None));
+            }
+        }
+    }
+
+    /// Resolves those contacts of a batch that have begun or come to the end of their force within the step.
+    fn resolve_wall_contacts<S: Space, T: Arithmetic>(
+        &mut self,
+        batch: &mut Batch<T>,
+        arena: &Arena<T>,
+        index: usize,
+        at: &Evaluation<'_>,
+    ) {
+        let Some(rows) = &at.resolved else { return };
+        let composition = &at.compositions[index];
+        let mut single = arena.single();
+        let (impulses, tally) = (&mut self.impulses, &mut self.tally);
+        let mut laws = Resolver::new(&mut single, arena, index, at, impulses, tally);
+        for k in 0..batch.len() {
+            if batch.overlap[k].wide() + composition.reach > rows.margin && !laws.is_clipped(batch, k) {
+                continue;
+            }
+            let place = self.first + batch.i[k] as usize;
+            let wall = batch.to[k] as usize;
+            let prescribed = (&at.wall_plans[wall].wall, at.walls[wall].time);
+            let path = Path::at_wall::<S>(at, rows, composition, place, prescribed);
+            let before = history_before(&self.walls.history, batch.pair[k], at.now);
+            laws.touching(batch, k, &path, before, (place as u32, None));
         }
     }
 }

@@ -12,7 +12,7 @@ fn main() {
 /// Bodies of a tile: its rows fit into the second level cache.
 const BODIES: usize = 2048;
 
-#[divan::bench(args = ["VelocityVerlet", "ClassicVelocityVerlet", "Leapfrog", "SymplecticEuler"])]
+#[divan::bench(args = ["VelocityVerlet", "ClassicVelocityVerlet", "ContactResolved", "Leapfrog", "SymplecticEuler"])]
 fn finish_and_begin(bencher: Bencher, name: &str) {
     let scheme = integrator(name).expect("a scheme of that name");
     let rows = |value: f64| vec![Row([value, -value, 0.5 * value, 1.0]); BODIES];
@@ -21,6 +21,9 @@ fn finish_and_begin(bencher: Bencher, name: &str) {
     let remembered = if scheme.needs_previous() { BODIES } else { 0 };
     let mut previous = vec![Row([0.0; 4]); remembered];
     let mut previous_angular = previous.clone();
+    let remembered = if scheme.needs_predicted() { BODIES } else { 0 };
+    let mut predicted = vec![Row([0.0; 4]); remembered];
+    let mut predicted_angular = predicted.clone();
     bencher.counter(ItemsCount::new(BODIES)).bench_local(|| {
         let mut tile = Tile {
             position: &mut position,
@@ -30,6 +33,8 @@ fn finish_and_begin(bencher: Bencher, name: &str) {
             torque: &torque,
             previous: &mut previous,
             previous_angular: &mut previous_angular,
+            predicted: &mut predicted,
+            predicted_angular: &mut predicted_angular,
             planar_inverse_inertia: &[],
             planar: false,
             instructions: InstructionSet::detect(),

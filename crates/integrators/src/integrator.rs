@@ -3,7 +3,9 @@
 use granule_state::{InstructionSet, Row};
 
 use crate::pass::pass;
-use crate::schemes::{ClassicVelocityVerlet, Leapfrog, Scheme, SymplecticEuler, VelocityVerlet};
+use crate::schemes::{
+    ClassicVelocityVerlet, ContactResolved, Leapfrog, Scheme, SymplecticEuler, VelocityVerlet,
+};
 
 /// Rows of consecutive bodies. Columns that the layout does not have are empty.
 pub struct Tile<'a> {
@@ -21,6 +23,10 @@ pub struct Tile<'a> {
     pub previous: &'a mut [Row],
     /// Angular accelerations of the last step.
     pub previous_angular: &'a mut [Row],
+    /// Accelerations of the prediction.
+    pub predicted: &'a mut [Row],
+    /// Angular accelerations of the prediction.
+    pub predicted_angular: &'a mut [Row],
     /// Inverse inertia in the plane; empty in space and for smooth discs.
     pub planar_inverse_inertia: &'a [f64],
     /// Plane motion.
@@ -50,6 +56,8 @@ pub trait Integrator: Send + Sync {
     fn synchronised(&self) -> bool;
     /// True if it remembers the accelerations of the last step.
     fn needs_previous(&self) -> bool;
+    /// True if it remembers the accelerations of its prediction.
+    fn needs_predicted(&self) -> bool;
     /// Largest ω dt for an undamped oscillator.
     fn stability(&self) -> f64;
     /// Time of the force evaluation, as a fraction of the step.
@@ -67,6 +75,7 @@ pub fn integrator(name: &str) -> Option<Box<dyn Integrator>> {
     match name {
         VelocityVerlet::NAME => Some(Box::new(VelocityVerlet)),
         ClassicVelocityVerlet::NAME => Some(Box::new(ClassicVelocityVerlet)),
+        ContactResolved::NAME => Some(Box::new(ContactResolved)),
         Leapfrog::NAME => Some(Box::new(Leapfrog)),
         SymplecticEuler::NAME => Some(Box::new(SymplecticEuler)),
         _ => None,
@@ -89,6 +98,9 @@ impl<S: Scheme> Integrator for S {
     fn needs_previous(&self) -> bool {
         S::PREVIOUS
     }
+    fn needs_predicted(&self) -> bool {
+        S::PREDICTED
+    }
     fn stability(&self) -> f64 {
         S::STABILITY
     }
@@ -110,8 +122,13 @@ impl<S: Scheme> Integrator for S {
 mod tests {
     use super::*;
 
-    const NAMES: [&str; 4] =
-        [VelocityVerlet::NAME, ClassicVelocityVerlet::NAME, Leapfrog::NAME, SymplecticEuler::NAME];
+    const NAMES: [&str; 5] = [
+        VelocityVerlet::NAME,
+        ClassicVelocityVerlet::NAME,
+        ContactResolved::NAME,
+        Leapfrog::NAME,
+        SymplecticEuler::NAME,
+    ];
 
     /// One body of unit mass; returns position and velocity after `steps` steps of force f(x, v).
     fn run(name: &str, steps: usize, time: f64, force: fn(f64, f64) -> f64, fused: bool) -> (f64, f64) {
@@ -119,8 +136,8 @@ mod tests {
         let dt = time / steps as f64;
         let mut position = [Row::new([1.0, 0.0, 0.0], 0.1)];
         let mut velocity = [Row::new([0.5, 0.0, 0.0], 1.0)];
-        let mut previous = [Row::ZERO];
         let mut forces = [Row::new([force(1.0, 0.5), 0.0, 0.0], 0.0)];
+        let (mut previous, mut predicted) = (forces, [Row::ZERO]);
         macro_rules! tile {
             () => {
                 Tile {
@@ -131,6 +148,8 @@ mod tests {
                     torque: &[],
                     previous: &mut previous,
                     previous_angular: &mut [],
+                    predicted: &mut predicted,
+                    predicted_angular: &mut [],
                     planar_inverse_inertia: &[],
                     planar: false,
                     instructions: InstructionSet::detect(),
@@ -204,6 +223,7 @@ mod tests {
         };
         let [mut position, mut velocity, mut spin, mut previous, mut previous_angular, mut force, mut torque] =
             std::array::from_fn(|_| rows());
+        let (mut predicted, mut predicted_angular) = (vec![Row::ZERO; 7], vec![Row::ZERO; 7]);
         for row in force.iter_mut().chain(&mut torque).chain(&mut previous).chain(&mut previous_angular) {
             row[3] = 0.0;
         }
@@ -216,6 +236,8 @@ mod tests {
             torque: &torque,
             previous: &mut previous,
             previous_angular: &mut previous_angular,
+            predicted: &mut predicted,
+            predicted_angular: &mut predicted_angular,
             planar_inverse_inertia: &[],
             planar: false,
             instructions,
@@ -223,7 +245,7 @@ mod tests {
         scheme.begin(&mut tile, 0.01);
         let pass = scheme.finish_begin(&mut tile, 0.01);
         scheme.finish(&mut tile, 0.01);
-        ([position, velocity, spin, previous, previous_angular].concat(), pass)
+        ([position, velocity, spin, previous, previous_angular, predicted, predicted_angular].concat(), pass)
     }
 
     #[test]
@@ -261,6 +283,8 @@ mod tests {
                 torque: &[],
                 previous: &mut [Row::ZERO; 2],
                 previous_angular: &mut [],
+                predicted: &mut [],
+                predicted_angular: &mut [],
                 planar_inverse_inertia: &[],
                 planar: false,
                 instructions: InstructionSet::detect(),

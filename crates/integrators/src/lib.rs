@@ -9,4 +9,6 @@ mod pass;
 mod schemes;
 
 pub use integrator::{Integrator, Pass, Tile, integrator};
-pub use schemes::{ClassicVelocityVerlet, Leapfrog, Scheme, Step, SymplecticEuler, VelocityVerlet};
+pub use schemes::{
+    ClassicVelocityVerlet, ContactResolved, Leapfrog, Memory, Scheme, Step, SymplecticEuler, VelocityVerlet,
+};

@@ -18,8 +18,17 @@ impl Step<f64> {
     }
 }
 
-/// A scheme acts on each coordinate `x` with velocity `v`, acceleration `a` and, if it wants one, a remembered
-/// acceleration `previous`. Rotation is treated in the same way; its angles are not kept, so `x` is then scratch.
+/// What a scheme keeps of a coordinate from the beginning of a step on.
+#[derive(Clone, Copy, Debug)]
+pub struct Memory<N> {
+    /// Acceleration at the beginning of the step.
+    pub previous: N,
+    /// Acceleration with which the velocity was predicted.
+    pub predicted: N,
+}
+
+/// A scheme acts on each coordinate `x` with velocity `v`, acceleration `a` and, if it wants them, remembered
+/// accelerations. Rotation is treated in the same way; its angles are not kept, so `x` is then scratch.
 pub trait Scheme: Send + Sync + 'static {
     /// Name in scenes.
     const NAME: &'static str;
@@ -31,15 +40,17 @@ pub trait Scheme: Send + Sync + 'static {
     const SYNCHRONISED: bool;
     /// True if it remembers the acceleration of the last step.
     const PREVIOUS: bool;
+    /// True if it remembers the acceleration of its prediction.
+    const PREDICTED: bool = false;
     /// Largest ω dt at which an undamped oscillator of angular frequency ω stays bounded.
     const STABILITY: f64;
     /// Time of the force evaluation, as a fraction of the step.
     const FORCE_TIME: f64 = 1.0;
 
     /// From the end of the last step to the force evaluation of this one.
-    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, previous: &mut N, dt: Step<N>);
+    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, memory: &mut Memory<N>, dt: Step<N>);
     /// From the force evaluation to the end of the step.
-    fn finish<N: Number>(x: &mut N, v: &mut N, a: N, previous: N, dt: Step<N>);
+    fn finish<N: Number>(x: &mut N, v: &mut N, a: N, memory: Memory<N>, dt: Step<N>);
 }
 
 /// Velocity Verlet whose forces see the velocity predicted to the end of the step, v + a dt; the kick is then corrected
@@ -55,15 +66,15 @@ impl Scheme for VelocityVerlet {
     const STABILITY: f64 = 2.0;
 
     #[inline(always)]
-    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, previous: &mut N, dt: Step<N>) {
+    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, memory: &mut Memory<N>, dt: Step<N>) {
         *x = *x + dt.full * (*v + dt.half * a);
         *v = *v + dt.full * a;
-        *previous = a;
+        memory.previous = a;
     }
 
     #[inline(always)]
-    fn finish<N: Number>(_x: &mut N, v: &mut N, a: N, previous: N, dt: Step<N>) {
-        *v = *v + dt.half * (a - previous);
+    fn finish<N: Number>(_x: &mut N, v: &mut N, a: N, memory: Memory<N>, dt: Step<N>) {
+        *v = *v + dt.half * (a - memory.previous);
     }
 }
 
@@ -80,13 +91,13 @@ impl Scheme for ClassicVelocityVerlet {
     const STABILITY: f64 = 2.0;
 
     #[inline(always)]
-    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, _previous: &mut N, dt: Step<N>) {
+    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, _memory: &mut Memory<N>, dt: Step<N>) {
         *v = *v + dt.half * a;
         *x = *x + dt.full * *v;
     }
 
     #[inline(always)]
-    fn finish<N: Number>(_x: &mut N, v: &mut N, a: N, _previous: N, dt: Step<N>) {
+    fn finish<N: Number>(_x: &mut N, v: &mut N, a: N, _memory: Memory<N>, dt: Step<N>) {
         *v = *v + dt.half * a;
     }
 }
@@ -105,12 +116,12 @@ impl Scheme for Leapfrog {
     const FORCE_TIME: f64 = 0.5;
 
     #[inline(always)]
-    fn begin<N: Number>(x: &mut N, v: &mut N, _a: N, _previous: &mut N, dt: Step<N>) {
+    fn begin<N: Number>(x: &mut N, v: &mut N, _a: N, _memory: &mut Memory<N>, dt: Step<N>) {
         *x = *x + dt.half * *v;
     }
 
     #[inline(always)]
-    fn finish<N: Number>(x: &mut N, v: &mut N, a: N, _previous: N, dt: Step<N>) {
+    fn finish<N: Number>(x: &mut N, v: &mut N, a: N, _memory: Memory<N>, dt: Step<N>) {
         *v = *v + dt.full * a;
         *x = *x + dt.half * *v;
     }
@@ -128,11 +139,40 @@ impl Scheme for SymplecticEuler {
     const STABILITY: f64 = 2.0;
 
     #[inline(always)]
-    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, _previous: &mut N, dt: Step<N>) {
+    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, _memory: &mut Memory<N>, dt: Step<N>) {
         *v = *v + dt.full * a;
         *x = *x + dt.full * *v;
     }
 
     #[inline(always)]
-    fn finish<N: Number>(_x: &mut N, _v: &mut N, _a: N, _previous: N, _dt: Step<N>) {}
+    fn finish<N: Number>(_x: &mut N, _v: &mut N, _a: N, _memory: Memory<N>, _dt: Step<N>) {}
+}
+
+/// Velocity Verlet for contacts that are resolved where they begin and end. The force loop gives the true impulse of a step
+/// in which a contact begins or ends within it; here the forces see the velocity predicted with an acceleration that is
+/// extrapolated from the last two, so that damping is of second order with a small error, too.
+pub struct ContactResolved;
+
+impl Scheme for ContactResolved {
+    const NAME: &'static str = "ContactResolved";
+    const ORDER: u32 = 2;
+    const CONSERVATIVE_ORDER: u32 = 2;
+    const SYNCHRONISED: bool = true;
+    const PREVIOUS: bool = true;
+    const PREDICTED: bool = true;
+    const STABILITY: f64 = 2.0;
+
+    #[inline(always)]
+    fn begin<N: Number>(x: &mut N, v: &mut N, a: N, memory: &mut Memory<N>, dt: Step<N>) {
+        let half = *v + dt.half * a;
+        *x = *x + dt.full * half;
+        let predicted = a + (a - memory.previous);
+        *v = half + dt.half * predicted;
+        *memory = Memory { previous: a, predicted };
+    }
+
+    #[inline(always)]
+    fn finish<N: Number>(_x: &mut N, v: &mut N, a: N, memory: Memory<N>, dt: Step<N>) {
+        *v = *v + dt.half * (a - memory.predicted);
+    }
 }

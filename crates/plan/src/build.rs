@@ -304,6 +304,7 @@ impl Builder<'_> {
         let scheme = match choice.value {
             IntegratorChoice::VelocityVerlet => Scheme::VelocityVerlet,
             IntegratorChoice::ClassicVelocityVerlet => Scheme::ClassicVelocityVerlet,
+            IntegratorChoice::ContactResolved => Scheme::ContactResolved,
             IntegratorChoice::Leapfrog => Scheme::Leapfrog,
             IntegratorChoice::SymplecticEuler => Scheme::SymplecticEuler,
         };
@@ -380,7 +381,9 @@ impl Builder<'_> {
 /// Time of the velocities in forces under a scheme.
 fn velocity_rule(scheme: Scheme) -> VelocityRule {
     match scheme {
-        Scheme::VelocityVerlet | Scheme::SymplecticEuler => VelocityRule::Synchronised,
+        Scheme::VelocityVerlet | Scheme::ContactResolved | Scheme::SymplecticEuler => {
+            VelocityRule::Synchronised
+        }
         Scheme::ClassicVelocityVerlet | Scheme::Leapfrog => VelocityRule::HalfStep,
     }
 }

@@ -154,6 +154,7 @@ pub(crate) fn scheme_name(scheme: Scheme) -> &'static str {
     match scheme {
         Scheme::VelocityVerlet => "VelocityVerlet",
         Scheme::ClassicVelocityVerlet => "ClassicVelocityVerlet",
+        Scheme::ContactResolved => "ContactResolved",
         Scheme::Leapfrog => "Leapfrog",
         Scheme::SymplecticEuler => "SymplecticEuler",
     }
@@ -276,7 +277,8 @@ fn memory(out: &mut String, plan: &Plan) {
     let layout = Layout {
         planar: plan.dimensions == Dimensions::Two,
         rotation: plan.rotation,
-        previous_acceleration: plan.driver.scheme == Scheme::VelocityVerlet,
+        previous_acceleration: matches!(plan.driver.scheme, Scheme::VelocityVerlet | Scheme::ContactResolved),
+        predicted_acceleration: plan.driver.scheme == Scheme::ContactResolved,
         surface: plan.substrate.is_some(),
     };
     let width = plan.compositions.iter().map(|composition| composition.history_width).max().unwrap_or(0);

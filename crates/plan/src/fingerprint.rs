@@ -42,6 +42,7 @@ pub fn fingerprint(plan: &Plan) -> String {
         Scheme::ClassicVelocityVerlet => 1,
         Scheme::Leapfrog => 2,
         Scheme::SymplecticEuler => 3,
+        Scheme::ContactResolved => 4,
     });
     hash.number(plan.driver.step);
     hash.word(match plan.driver.search {

@@ -2,9 +2,10 @@
 //!
 //! **Scheme.** An oscillator `x'' = -K x - C v` (K in 1/s², C in 1/s) is stable under a step dt while
 //! `dt² K + 2 c dt C < 4`, with c = 1 for schemes whose forces see velocities half a step behind or before the kick
-//! (classic velocity Verlet, leapfrog, symplectic Euler) and c = 2 for velocity Verlet with predicted velocities. (The
-//! characteristic polynomials are `λ² - 2λ + 1 + dt²K λ + dt C (λ-1)` and
-//! `λ(λ-1)² + dt²K λ² + dt C (3λ² - 4λ + 1)/2`; both first leave the unit circle at λ = -1.) Many bodies obey the same
+//! (classic velocity Verlet, leapfrog, symplectic Euler), c = 2 for velocity Verlet with predicted velocities, and c = 4 where
+//! the prediction extrapolates the acceleration of the last two steps (`ContactResolved`). (The characteristic polynomials are
+//! `λ² - 2λ + 1 + dt²K λ + dt C (λ-1)`, `λ(λ-1)² + dt²K λ² + dt C (3λ² - 4λ + 1)/2` and
+//! `λ²(λ-1)² + dt²K λ³ + dt C (λ-1)(4λ² - 3λ + 1)/2`; all first leave the unit circle at λ = -1.) Many bodies obey the same
 //! rule with the Rayleigh quotients of stiffness and damping of any mode, hence with their largest values.
 //!
 //! **Pair.** K = k/m12, C = γ/m12 along the normal; in the tangent plane laws give k and γ as m12 feels them, spins
@@ -168,6 +169,7 @@ fn evaluate(composition: &Composition, reduced_mass: f64, reduced_radius: f64) -
 pub(crate) fn scheme_limit(stiffness: f64, damping: f64, scheme: Scheme) -> f64 {
     let factor = match scheme {
         Scheme::VelocityVerlet => 2.0,
+        Scheme::ContactResolved => 4.0,
         Scheme::ClassicVelocityVerlet | Scheme::Leapfrog | Scheme::SymplecticEuler => 1.0,
     };
     let damped = factor * damping;

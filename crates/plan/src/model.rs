@@ -34,6 +34,8 @@ pub enum Scheme {
     VelocityVerlet,
     /// Velocity Verlet whose forces see half-step velocities (LAMMPS, LIGGGHTS).
     ClassicVelocityVerlet,
+    /// Velocity Verlet that resolves contacts where they begin and end within a step.
+    ContactResolved,
     /// Leapfrog, drift-kick-drift: forces at the middle of the step.
     Leapfrog,
     /// Symplectic Euler: kick, then drift. First order.

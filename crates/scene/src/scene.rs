@@ -467,6 +467,8 @@ pub enum IntegratorChoice {
     VelocityVerlet,
     /// Velocity Verlet with half-step velocities in the forces.
     ClassicVelocityVerlet,
+    /// Velocity Verlet that resolves contacts where they begin and end.
+    ContactResolved,
     /// Drift-kick-drift.
     Leapfrog,
     /// Kick, then drift.

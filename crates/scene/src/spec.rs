@@ -505,9 +505,11 @@ pub const TIME_STEP: Block = Block {
     fields: &[
         opt(
             "integrator",
-            "`VelocityVerlet`, `ClassicVelocityVerlet`, `Leapfrog` or `SymplecticEuler`",
+            "`VelocityVerlet`, `ClassicVelocityVerlet`, `ContactResolved`, `Leapfrog` or `SymplecticEuler`",
             "`VelocityVerlet`; `ClassicVelocityVerlet` if the conventions say `HalfStep`",
-            "Integration scheme.",
+            "Integration scheme. `ContactResolved` computes the impulse of a step in which a contact begins or ends from the \
+             part in which it acts: see docs/accuracy.md for what \
+             that gains and costs.",
         ),
         opt(
             "step",

@@ -11,6 +11,8 @@ pub struct Layout {
     pub rotation: bool,
     /// The scheme remembers the accelerations of the last step.
     pub previous_acceleration: bool,
+    /// The scheme remembers the accelerations with which it predicted velocities.
+    pub predicted_acceleration: bool,
     /// Bodies roll and slide on a surface.
     pub surface: bool,
 }
@@ -24,7 +26,8 @@ impl Layout {
     /// Bytes of state per body.
     pub const fn bytes_per_body(&self) -> usize {
         let rows = 3 + 2 * self.spin_rows() as usize;
-        let previous = (1 + self.spin_rows() as usize) * self.previous_acceleration as usize;
+        let remembered = self.previous_acceleration as usize + self.predicted_acceleration as usize;
+        let previous = (1 + self.spin_rows() as usize) * remembered;
         let planar_inertia = 8 * (self.planar && self.rotation) as usize;
         // mass, identity, material and the three image counts
         let surface = size_of::<SurfaceRow>() * self.surface as usize;
@@ -92,6 +95,10 @@ pub struct Bodies {
     pub previous_acceleration: Vec<Row>,
     /// Angular accelerations of the last step \[rad/s²\]; empty unless the scheme wants them and spin rows exist.
     pub previous_angular_acceleration: Vec<Row>,
+    /// Accelerations with which velocities were predicted \[m/s²\]; empty unless the scheme wants them.
+    pub predicted_acceleration: Vec<Row>,
+    /// The same of spins \[rad/s²\]; empty unless the scheme wants them and spin rows exist.
+    pub predicted_angular_acceleration: Vec<Row>,
     /// Inverse moment of inertia in the plane \[1/(kg m²)\]; empty otherwise.
     pub planar_inverse_inertia: Vec<f64>,
     /// Mass \[kg\]; finite for frozen bodies too.
@@ -118,6 +125,8 @@ impl Bodies {
             torque: Vec::new(),
             previous_acceleration: Vec::new(),
             previous_angular_acceleration: Vec::new(),
+            predicted_acceleration: Vec::new(),
+            predicted_angular_acceleration: Vec::new(),
             planar_inverse_inertia: Vec::new(),
             mass: Vec::new(),
             id: Vec::new(),
@@ -152,6 +161,12 @@ impl Bodies {
             self.previous_acceleration.push(Row::ZERO);
             if self.layout.spin_rows() {
                 self.previous_angular_acceleration.push(Row::ZERO);
+            }
+        }
+        if self.layout.predicted_acceleration {
+            self.predicted_acceleration.push(Row::ZERO);
+            if self.layout.spin_rows() {
+                self.predicted_angular_acceleration.push(Row::ZERO);
             }
         }
         self.mass.push(body.mass);
@@ -227,6 +242,43 @@ impl Bodies {
         }
     }
 
+    /// Gives a body an impulse \[N s\] and an angular impulse \[N m s\].
+    pub fn give(&mut self, index: usize, linear: [f64; 3], angular: [f64; 3]) {
+        let row = &mut self.velocity[index];
+        let inverse_mass = row[3];
+        for axis in 0..if self.layout.planar { 2 } else { 3 } {
+            row[axis] += linear[axis] * inverse_mass;
+        }
+        if self.layout.spin_rows() {
+            let row = &mut self.spin[index];
+            for axis in 0..3 {
+                row[axis] += angular[axis] * row[3];
+            }
+        } else if let Some(inverse_inertia) = self.planar_inverse_inertia.get(index) {
+            row[2] += angular[2] * inverse_inertia;
+        }
+    }
+
+    /// Takes the accelerations of the present forces for those of the step before, where such are remembered: the state at
+    /// the start has no step before it.
+    pub fn remember_accelerations(&mut self) {
+        let planar = self.layout.planar;
+        for (index, row) in self.previous_acceleration.iter_mut().enumerate() {
+            let (force, inverse_mass) = (self.force[index], self.velocity[index][3]);
+            for axis in 0..3 {
+                row[axis] = force[axis] * inverse_mass;
+            }
+            if planar {
+                row[2] = force[2] * self.planar_inverse_inertia.get(index).copied().unwrap_or(0.0);
+            }
+        }
+        for (index, row) in self.previous_angular_acceleration.iter_mut().enumerate() {
+            for axis in 0..3 {
+                row[axis] = self.torque[index][axis] * self.spin[index][3];
+            }
+        }
+    }
+
     /// Brings the bodies into a new order: place `k` gets the body that was at `order[k]`. Forces and torques are lost:
     /// bodies are sorted between two evaluations, and the rows of the forces serve as the room in which to sort.
     pub fn permute(&mut self, order: &[u32]) {
@@ -236,6 +288,8 @@ impl Bodies {
             &mut self.spin,
             &mut self.previous_acceleration,
             &mut self.previous_angular_acceleration,
+            &mut self.predicted_acceleration,
+            &mut self.predicted_angular_acceleration,
         ];
         for column in rows {
             if !column.is_empty() {
@@ -300,14 +354,26 @@ mod tests {
 
     #[test]
     fn only_the_rows_of_the_layout_exist() {
-        let smooth = Layout { planar: false, rotation: false, previous_acceleration: false, surface: false };
+        let smooth = Layout {
+            planar: false,
+            rotation: false,
+            previous_acceleration: false,
+            predicted_acceleration: false,
+            surface: false,
+        };
         let bodies = Bodies::new(smooth, (1..=3).map(input));
         assert!(
             bodies.spin.is_empty() && bodies.torque.is_empty() && bodies.previous_acceleration.is_empty()
         );
         assert_eq!(bodies.spin_of(0), [0.0; 3]);
         assert!(bodies.is_frozen(1) && !bodies.is_frozen(0));
-        let planar = Layout { planar: true, rotation: true, previous_acceleration: false, surface: false };
+        let planar = Layout {
+            planar: true,
+            rotation: true,
+            previous_acceleration: false,
+            predicted_acceleration: false,
+            surface: false,
+        };
         let bodies = Bodies::new(planar, (1..=3).map(input));
         assert!(bodies.spin.is_empty());
         assert_eq!(bodies.spin_of(0), [0.0, 0.0, 6.0]);
@@ -317,7 +383,13 @@ mod tests {
 
     #[test]
     fn permuting_keeps_bodies_whole() {
-        let layout = Layout { planar: false, rotation: true, previous_acceleration: true, surface: true };
+        let layout = Layout {
+            planar: false,
+            rotation: true,
+            previous_acceleration: true,
+            predicted_acceleration: true,
+            surface: true,
+        };
         let mut bodies = Bodies::new(layout, (1..=3).map(input));
         bodies.permute(&[2, 0, 1]);
         assert_eq!(bodies.id, [3, 1, 2]);

@@ -172,23 +172,27 @@ impl Wish<'_> {
             || conventions.changes.iter().any(|(name, _)| name.value == "velocity");
         let integrators: &[IntegratorChoice] =
             if asked { &[IntegratorChoice::ClassicVelocityVerlet] } else { &CANDIDATES };
-        integrators
-            .iter()
-            .map(|integrator| {
-                let plan = self.plan(&self.setting(*integrator, FEWEST))?;
-                let impacts = Impacts::of(&plan).map_err(|reason| {
-                    vec![Diagnostic::error(span.clone(), format!("no accuracy can be chosen: {reason}"))]
-                })?;
-                let bounds = limits(&plan);
-                let Some(contact) = bounds.shortest_contact else {
-                    let message =
-                        "no law of this scene has a contact duration, so that no accuracy can be chosen";
-                    return Err(vec![Diagnostic::error(span.clone(), message).help("give a step instead")]);
-                };
-                let stable = STABLE * bounds.step();
-                Ok(Scheme { integrator: *integrator, plan, impacts, contact, stable })
-            })
-            .collect()
+        let mut schemes = Vec::new();
+        for integrator in integrators {
+            let plan = match self.plan(&self.setting(*integrator, FEWEST)) {
+                Ok(plan) => plan,
+                // A scheme that the scene does not admit is no candidate, but the first one must be.
+                Err(_) if !schemes.is_empty() => continue,
+                Err(problems) => return Err(problems),
+            };
+            let impacts = Impacts::of(&plan).map_err(|reason| {
+                vec![Diagnostic::error(span.clone(), format!("no accuracy can be chosen: {reason}"))]
+            })?;
+            let bounds = limits(&plan);
+            let Some(contact) = bounds.shortest_contact else {
+                let message =
+                    "no law of this scene has a contact duration, so that no accuracy can be chosen";
+                return Err(vec![Diagnostic::error(span.clone(), message).help("give a step instead")]);
+            };
+            let stable = STABLE * bounds.step();
+            schemes.push(Scheme { integrator: *integrator, plan, impacts, contact, stable });
+        }
+        Ok(schemes)
     }
 
     fn row(&self, scheme: &Scheme, steps: f64, span: &Range<usize>) -> Result<Row, Vec<Diagnostic>> {
@@ -277,8 +281,12 @@ impl Wish<'_> {
 }
 
 /// Schemes that are tried, the first one wins where they are equal.
-const CANDIDATES: [IntegratorChoice; 3] =
-    [IntegratorChoice::VelocityVerlet, IntegratorChoice::Leapfrog, IntegratorChoice::SymplecticEuler];
+const CANDIDATES: [IntegratorChoice; 4] = [
+    IntegratorChoice::VelocityVerlet,
+    IntegratorChoice::ContactResolved,
+    IntegratorChoice::Leapfrog,
+    IntegratorChoice::SymplecticEuler,
+];
 
 /// A scheme with the impacts of the scene.
 struct Scheme {

@@ -215,6 +215,7 @@ fn own_setting(
         integrator: match plan.driver.scheme {
             Scheme::VelocityVerlet => IntegratorChoice::VelocityVerlet,
             Scheme::ClassicVelocityVerlet => IntegratorChoice::ClassicVelocityVerlet,
+            Scheme::ContactResolved => IntegratorChoice::ContactResolved,
             Scheme::Leapfrog => IntegratorChoice::Leapfrog,
             Scheme::SymplecticEuler => IntegratorChoice::SymplecticEuler,
         },

@@ -296,9 +296,10 @@ fn scaled_value(value: &ParameterValue, factor: f64) -> Option<ParameterValue> {
 }
 
 /// Schemes by their names in scenes.
-const INTEGRATORS: [(&str, IntegratorChoice); 4] = [
+const INTEGRATORS: [(&str, IntegratorChoice); 5] = [
     ("VelocityVerlet", IntegratorChoice::VelocityVerlet),
     ("ClassicVelocityVerlet", IntegratorChoice::ClassicVelocityVerlet),
+    ("ContactResolved", IntegratorChoice::ContactResolved),
     ("Leapfrog", IntegratorChoice::Leapfrog),
     ("SymplecticEuler", IntegratorChoice::SymplecticEuler),
 ];

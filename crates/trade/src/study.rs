@@ -222,6 +222,7 @@ fn candidates(kind: Kind, gravity: bool, rotation: bool) -> Vec<Setting> {
     for steps in few {
         for integrator in [
             IntegratorChoice::ClassicVelocityVerlet,
+            IntegratorChoice::ContactResolved,
             IntegratorChoice::Leapfrog,
             IntegratorChoice::SymplecticEuler,
         ] {

@@ -9,6 +9,8 @@ use crate::forms::{Damping, Model, Stiffness};
 /// Contacts whose stiffness, damping and limit are worked out before the main loop runs over them: few enough to stay in
 /// registers' reach, many enough to pay for the choice of formulas.
 const BLOCK: usize = 32;
+/// The same for chunks of a few contacts, whose arrays would take longer to clear than the loop takes.
+const FEW: usize = 8;
 
 const ROTATE: u8 = 0;
 const ROTATE_IF_TILTED: u8 = 1;
@@ -85,7 +87,13 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
 
     /// Stiffness, damping and Coulomb limit of the contacts of one block.
     #[inline(always)]
-    fn coefficients(&self, chunk: &ContactChunk<'_, T>, start: usize, block: &mut Block<T>, n: usize) {
+    fn coefficients<const N: usize>(
+        &self,
+        chunk: &ContactChunk<'_, T>,
+        start: usize,
+        block: &mut Block<T, N>,
+        n: usize,
+    ) {
         let stiffness = &mut block.stiffness[..n];
         let damping = &mut block.damping[..n];
         let limit = &mut block.limit[..n];
@@ -203,14 +211,14 @@ struct Held<T> {
 
 /// What is worked out for the contacts of one block before and in the main loop. The loop writes here and not to the columns
 /// of the chunk: the compiler knows that these arrays overlap nothing else and turns the loop into vector code.
-struct Block<T> {
-    stiffness: [T; BLOCK],
-    damping: [T; BLOCK],
-    limit: [T; BLOCK],
-    force: [[T; BLOCK]; 3],
-    spring: [[T; BLOCK]; 3],
+struct Block<T, const N: usize> {
+    stiffness: [T; N],
+    damping: [T; N],
+    limit: [T; N],
+    force: [[T; N]; 3],
+    spring: [[T; N]; 3],
     /// Elastic energy, viscous and frictional power, energy lost by sliding.
-    energy: [[T; BLOCK]; 4],
+    energy: [[T; N]; 4],
 }
 
 impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Stage<T>
@@ -218,34 +226,18 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Stage<T>
 {
     #[inline(always)]
     fn run(&self, chunk: &mut ContactChunk<'_, T>) {
-        let zeros = [T::ZERO; BLOCK];
-        let mut block = Block {
-            stiffness: zeros,
-            damping: zeros,
-            limit: zeros,
-            force: [zeros; 3],
-            spring: [zeros; 3],
-            energy: [zeros; 4],
-        };
-        let total = chunk.len();
-        let mut start = 0;
-        while start < total {
-            let n = (total - start).min(BLOCK);
-            self.coefficients(chunk, start, &mut block, n);
-            if chunk.energy.is_some() {
-                self.run_block::<true>(chunk, start, &mut block, n);
-            } else {
-                self.run_block::<false>(chunk, start, &mut block, n);
-            }
-            store(chunk, start, &block, n);
-            start += n;
-        }
+        if chunk.len() > FEW { self.run_blocks::<BLOCK>(chunk) } else { self.run_blocks::<FEW>(chunk) }
     }
 }
 
 /// Copies the results of a block to the columns of the chunk.
 #[inline(always)]
-fn store<T: Real>(chunk: &mut ContactChunk<'_, T>, start: usize, block: &Block<T>, n: usize) {
+fn store<T: Real, const N: usize>(
+    chunk: &mut ContactChunk<'_, T>,
+    start: usize,
+    block: &Block<T, N>,
+    n: usize,
+) {
     for (column, values) in chunk.tangential_force.iter_mut().zip(&block.force) {
         column[start..][..n].copy_from_slice(&values[..n]);
     }
@@ -264,11 +256,37 @@ fn store<T: Real>(chunk: &mut ContactChunk<'_, T>, start: usize, block: &Block<T
 
 impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UPDATE, TEST, DAMPED> {
     #[inline(always)]
-    fn run_block<const ENERGY: bool>(
+    fn run_blocks<const N: usize>(&self, chunk: &mut ContactChunk<'_, T>) {
+        let zeros = [T::ZERO; N];
+        let mut block = Block {
+            stiffness: zeros,
+            damping: zeros,
+            limit: zeros,
+            force: [zeros; 3],
+            spring: [zeros; 3],
+            energy: [zeros; 4],
+        };
+        let total = chunk.len();
+        let mut start = 0;
+        while start < total {
+            let n = (total - start).min(N);
+            self.coefficients(chunk, start, &mut block, n);
+            if chunk.energy.is_some() {
+                self.run_block::<true, N>(chunk, start, &mut block, n);
+            } else {
+                self.run_block::<false, N>(chunk, start, &mut block, n);
+            }
+            store(chunk, start, &block, n);
+            start += n;
+        }
+    }
+
+    #[inline(always)]
+    fn run_block<const ENERGY: bool, const N: usize>(
         &self,
         chunk: &ContactChunk<'_, T>,
         start: usize,
-        block: &mut Block<T>,
+        block: &mut Block<T, N>,
         n: usize,
     ) {
         let dt = chunk.time_step;

@@ -64,6 +64,7 @@ fn time_step(r: &mut Reader, variant: Variant<'_>) -> Option<TimeStepBlock> {
             &[
                 ("VelocityVerlet", IntegratorChoice::VelocityVerlet),
                 ("ClassicVelocityVerlet", IntegratorChoice::ClassicVelocityVerlet),
+                ("ContactResolved", IntegratorChoice::ContactResolved),
                 ("Leapfrog", IntegratorChoice::Leapfrog),
                 ("SymplecticEuler", IntegratorChoice::SymplecticEuler),
             ],

@@ -10,6 +10,9 @@ use crate::single::{Motion, ends, run, sizes};
 const PHASES: u32 = 48;
 /// The golden ratio, whose multiples cover an interval evenly, however many there are.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// A contact that begins just before the end of a step: where forces rise steeply from touch on, as with dampers that grow with
+/// a root of the overlap, the next step misses most.
+const LATE: f64 = 0.998;
 /// Tangential over normal velocity of the oblique impacts.
 const OBLIQUE: f64 = 1.0;
 
@@ -78,6 +81,7 @@ impl Impacts {
             for number in numbers {
                 worst = worst.max(case.error(plan, step, (f64::from(number) * GOLDEN).fract())?);
             }
+            worst = worst.max(case.error(plan, step, LATE)?);
         }
         Ok(worst)
     }
