@@ -3,6 +3,7 @@
 mod asymmetric;
 mod collide;
 mod compression;
+mod regime;
 mod symmetric;
 
 use crate::{Chapter, Error, Figure};
@@ -23,5 +24,6 @@ fn figures() -> Result<Vec<Figure>, Error> {
     let mut figures = compression::figures()?;
     figures.extend(symmetric::figures()?);
     figures.extend(asymmetric::figures()?);
+    figures.extend(regime::figures()?);
     Ok(figures)
 }
