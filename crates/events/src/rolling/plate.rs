@@ -1,5 +1,7 @@
 //! The plate: where it is, and when it moves so hard that static friction gives way.
 
+use std::cell::Cell;
+
 use granule_geometry::Motion;
 
 /// Vectors in the plane of the plate.
@@ -45,6 +47,8 @@ pub struct Plate {
     pub most_acceleration: f64,
     /// Largest rate of change of a_S \[m/s³\].
     pub most_jerk: f64,
+    /// The moment that was asked for last, and what was there.
+    last: Cell<(f64, (Vector, Vector, Vector))>,
 }
 
 impl Plate {
@@ -77,12 +81,37 @@ impl Plate {
             Kind::Steady(_) | Kind::Table(_) => (0.0, 0.0),
         };
         let most_pull = size(along) + most_acceleration;
-        Some(Self { kind, along, weight: (-gravity[2]).max(0.0), most_pull, most_acceleration, most_jerk })
+        let last = Cell::new((f64::NAN, ([0.0; 2], [0.0; 2], [0.0; 2])));
+        Some(Self {
+            last,
+            kind,
+            along,
+            weight: (-gravity[2]).max(0.0),
+            most_pull,
+            most_acceleration,
+            most_jerk,
+        })
     }
 
     /// Displacement \[m\], velocity \[m/s\] and acceleration \[m/s²\] at a time.
     #[inline]
     pub fn at(&self, time: f64) -> (Vector, Vector, Vector) {
+        match &self.kind {
+            // An event asks ten times for the same moment.
+            Kind::Oscillating { .. } => {
+                let (known, last) = self.last.get();
+                if known == time {
+                    return last;
+                }
+                let now = self.compute(time);
+                self.last.set((time, now));
+                now
+            }
+            Kind::Steady(_) | Kind::Table(_) => self.compute(time),
+        }
+    }
+
+    fn compute(&self, time: f64) -> (Vector, Vector, Vector) {
         match &self.kind {
             Kind::Steady(velocity) => ([velocity[0] * time, velocity[1] * time], *velocity, [0.0; 2]),
             Kind::Oscillating { amplitude, angular_frequency, phase } => {
