@@ -91,6 +91,23 @@ pub(crate) struct Batch<T> {
     pub contact_torque: [Column<T>; 3],
     pub energy: [Column<T>; 4],
     pub history: Vec<Column<T>>,
+    /// Contacts of the batch that may have begun in the step, for a scheme that wants to know.
+    pub begun: Vec<u32>,
+    /// Pairs that may have parted in it.
+    pub parted: Vec<Parted>,
+}
+
+/// A pair that does not touch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Parted {
+    /// Index of the pair in its list.
+    pub pair: u32,
+    /// Place of body i within the tile.
+    pub i: u32,
+    /// Place of body j among all bodies.
+    pub j: u32,
+    /// Separation x_i - x_j \[m\].
+    pub separation: [f64; 3],
 }
 
 impl<T: Real> Batch<T> {
@@ -122,6 +139,8 @@ impl<T: Real> Batch<T> {
             contact_torque: [scalar; 3],
             energy: [scalar; 4],
             history: vec![scalar; history_width],
+            begun: Vec::with_capacity(BATCH),
+            parted: Vec::with_capacity(BATCH),
         }
     }
 
@@ -135,23 +154,15 @@ impl<T: Real> Batch<T> {
         }
     }
 
+    /// The law has cut the force of contact `k`, which separates, to zero.
+    #[inline(always)]
+    pub fn is_clipped(&self, k: usize) -> bool {
+        self.normal_force[k] == T::ZERO && self.normal_velocity[k] < T::ZERO
+    }
+
     /// Separation of the centres of contact `k`.
     pub fn separation_of(&self, k: usize) -> Vector3<f64> {
         Vector3::new(self.separation[0][k], self.separation[1][k], self.separation[2][k])
-    }
-
-    /// Takes contact `k` out before its kinematics are gathered: the last one takes its place.
-    pub fn withdraw(&mut self, k: usize) {
-        self.count -= 1;
-        let last = self.count;
-        for column in
-            self.separation.iter_mut().chain([&mut self.distance_squared, &mut self.touching_distance])
-        {
-            column[k] = column[last];
-        }
-        for column in [&mut self.pair, &mut self.i, &mut self.j, &mut self.to] {
-            column[k] = column[last];
-        }
     }
 
     /// The largest number of a column of indices; those that fill the last group up count, too.

@@ -5,10 +5,11 @@ use granule_law_api::Columns;
 use granule_plan::Composition;
 use granule_state::{Lanes, Row};
 
-use crate::chunk::{BATCH, Batch, share};
+use crate::chunk::{BATCH, Batch, Parted, share};
 use crate::level::Arithmetic;
 use crate::list::View;
 use crate::prefetch::prefetch;
+use crate::resolve::RangeMarks;
 use crate::space::Space;
 use crate::tile::Evaluation;
 
@@ -25,17 +26,29 @@ unsafe fn row<L: Lanes>(rows: &[Row], place: usize) -> L {
     L::load(unsafe { &rows.get_unchecked(place).0 })
 }
 
-/// Fills a batch with those pairs from `next` up to `end` that touch; returns where to go on.
+/// What a scheme that resolves contacts wants to know of a range of pairs.
+pub(crate) struct Changes<'a> {
+    /// The first pair of the range.
+    pub start: usize,
+    pub marks: RangeMarks<'a>,
+    /// Bound of what any distance has changed in the step \[m\].
+    pub margin: f64,
+}
+
+/// Fills a batch with those pairs from `next` up to `end` that touch; returns where to go on. With `CHANGES`, it also notes
+/// which of them may not have touched before, and which pairs that do not touch may have.
 #[inline(always)]
-pub(crate) fn find_contacts<T: Arithmetic, L: Lanes>(
+pub(crate) fn find_contacts<T: Arithmetic, L: Lanes, const CHANGES: bool>(
     batch: &mut Batch<T>,
     list: &View<'_>,
-    next: usize,
-    end: usize,
+    (next, end): (usize, usize),
     at: &Evaluation<'_>,
     reach: f64,
+    mut changes: Option<Changes<'_>>,
 ) -> usize {
     let reach = L::splat(reach);
+    batch.begun.clear();
+    batch.parted.clear();
     let mut count = 0;
     let mut index = next;
     while count <= BATCH - 4 && index < end {
@@ -60,6 +73,40 @@ pub(crate) fn find_contacts<T: Arithmetic, L: Lanes>(
         let limit = touching + reach;
         let listed = if end - index < 4 { (1 << (end - index)) - 1 } else { 15 };
         let mask = squared.less(limit * limit) & listed;
+        if CHANGES && let Some(changes) = &mut changes {
+            let group = (index - changes.start) / 4;
+            let (begun, parted) = match changes.marks.before {
+                Some(before) => {
+                    let before = usize::from(before[group]);
+                    (mask & !before, before & !mask)
+                }
+                None => {
+                    let margin = L::splat(changes.margin);
+                    let (wide, narrow) = (limit + margin, L::splat(0.0).max(limit - margin));
+                    (mask & !squared.less(narrow * narrow), squared.less(wide * wide) & listed & !mask)
+                }
+            };
+            changes.marks.now[group] = mask as u8;
+            if begun | parted != 0 {
+                for lane in 0..4 {
+                    if begun >> lane & 1 == 1 {
+                        batch.begun.push((count + usize::from(BITS[mask & ((1 << lane) - 1)])) as u32);
+                    }
+                    if parted >> lane & 1 == 1 {
+                        let mut separation = [0.0; 4];
+                        rows[lane].store(&mut separation);
+                        let (i, j) = (four.i_image[lane] >> 5, four.j[lane]);
+                        let [x, y, z, _] = separation;
+                        batch.parted.push(Parted {
+                            pair: (index + lane) as u32,
+                            i,
+                            j,
+                            separation: [x, y, z],
+                        });
+                    }
+                }
+            }
+        }
         // Those that touch are packed to the front and the rest is overwritten by the next group: no branch to mispredict.
         let packing = L::packing(mask);
         x.pack(packing).store(batch.separation[0].four_at(count));

@@ -16,7 +16,7 @@ use granule_state::Bodies;
 use nalgebra::{Matrix3x2, Vector3};
 use std::sync::Arc;
 
-pub(crate) use marks::Marks;
+pub(crate) use marks::{Marks, RangeMarks};
 pub(crate) use path::{Path, StepRows};
 
 use self::path::Kinematics;
@@ -153,7 +153,7 @@ impl<'a, T: Arithmetic> Resolver<'a, T> {
         let [first, last] = path.overlaps().map(|overlap| overlap + reach);
         if first <= 0.0 && last > 0.0 {
             self.begun(batch, k, path, -first / (last - first), bodies);
-        } else if first > 0.0 && self.is_clipped(batch, k) {
+        } else if first > 0.0 && self.composition.contact_end == ContactEnd::Force && batch.is_clipped(k) {
             let first = self.law(path, 0.0, 0.0, history);
             if first.wrench == Wrench::zeros() {
                 return;
@@ -171,13 +171,6 @@ impl<'a, T: Arithmetic> Resolver<'a, T> {
             }
             self.give(&lacking, path, bodies);
         }
-    }
-
-    /// The law has cut the force of a separating contact to zero.
-    pub fn is_clipped(&self, batch: &Batch<T>, k: usize) -> bool {
-        self.composition.contact_end == ContactEnd::Force
-            && batch.normal_force[k] == T::ZERO
-            && batch.normal_velocity[k] < T::ZERO
     }
 
     /// Springs are stored as wound up to the middle of the step: time by which they are wound on from there, twice, as half

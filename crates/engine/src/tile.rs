@@ -1,11 +1,11 @@
 //! A tile: consecutive bodies, the pairs whose first body they are, and their forces.
 
-use granule_law_api::Columns;
+use granule_law_api::{Columns, ContactEnd};
 use granule_plan::{Composition, WallPlan};
 use granule_state::{Bodies, Lanes, Row};
 
 use crate::chunk::{BATCH, Batch};
-use crate::gather::{find_contacts, gather_kinematics};
+use crate::gather::{Changes, find_contacts, gather_kinematics};
 use crate::history::PairHistory;
 use crate::level::{Arena, Arithmetic, Level};
 use crate::list::ForceList;
@@ -143,7 +143,7 @@ impl Tile {
         self.tally.reset();
         self.impulses.clear();
         if at.marks {
-            self.marks.begin(self.inner.len());
+            self.marks.begin(self.inner.len(), self.inner_ranges.len());
         }
         // Pairs that do not touch leave their slots alone.
         self.outbox.fill(Outgoing::default());
@@ -169,13 +169,23 @@ impl Tile {
         self.list.check_sums(force, torque, &self.outbox);
         for index in 0..self.inner_ranges.len() {
             let range = self.inner_ranges[index];
-            let margin = at.resolved.map_or(0.0, |rows| rows.margin);
-            let reach = at.compositions[range.composition as usize].reach + margin;
+            let reach = at.compositions[range.composition as usize].reach;
             let mut next = range.start as usize;
             let end = range.end as usize;
             while next < end {
                 let list = self.list.view(at.bodies);
-                next = find_contacts::<T, L>(&mut batch, &list, next, end, at, reach);
+                let pairs = (next, end);
+                next = if at.marks {
+                    let start = range.start as usize;
+                    let margin = at.resolved.map_or(0.0, |rows| rows.margin);
+                    let changes = Changes { start, marks: self.marks.of_range(index, start), margin };
+                    find_contacts::<T, L, true>(&mut batch, &list, pairs, at, reach, Some(changes))
+                } else {
+                    find_contacts::<T, L, false>(&mut batch, &list, pairs, at, reach, None)
+                };
+                if !batch.parted.is_empty() {
+                    self.part::<S, T>(&batch, arena, range.composition as usize, at);
+                }
                 if batch.count > 0 {
                     let sums = (&mut *force, &mut *torque);
                     self.pair_batch::<S, T, L>(&mut batch, arena, range.composition as usize, at, sums);
@@ -197,12 +207,6 @@ impl Tile {
         (force, torque): (&mut [Row], &mut [Row]),
     ) {
         let composition = &at.compositions[index];
-        if at.resolved.is_some() {
-            self.take_apart::<S, T>(batch, arena, index, at);
-            if batch.count == 0 {
-                return;
-            }
-        }
         gather_kinematics::<S, T, L>(batch, &self.list.view(at.bodies), at, composition);
         let remembers = composition.history_width > 0;
         if remembers {
@@ -226,11 +230,10 @@ impl Tile {
         scatter::<S, T, L>(batch, &mut sums, tangential, rolls, at.radius.is_some());
     }
 
-    /// Takes the pairs that do not touch out of a batch; those of them that did at the beginning of the step get the impulse
-    /// of their end.
-    fn take_apart<S: Space, T: Arithmetic>(
+    /// Impulses of those pairs that touched at the beginning of the step and do not at its end.
+    fn part<S: Space, T: Arithmetic>(
         &mut self,
-        batch: &mut Batch<T>,
+        batch: &Batch<T>,
         arena: &Arena<T>,
         index: usize,
         at: &Evaluation<'_>,
@@ -240,26 +243,18 @@ impl Tile {
         let Self { first, history, marks, impulses, tally, .. } = self;
         let mut single = arena.single();
         let mut laws = Resolver::new(&mut single, arena, index, at, impulses, tally);
-        let mut k = 0;
-        while k < batch.count {
-            let limit = batch.touching_distance[k] + composition.reach;
-            if batch.distance_squared[k] < limit * limit {
-                k += 1;
+        for parted in &batch.parted {
+            // Without force, only what the contact still stores is lost.
+            if marks.was_clipped(parted.pair) && !at.ledger {
                 continue;
             }
-            let pair = batch.pair[k];
-            let forceless = marks.was_clipped(pair) && !at.ledger;
-            if marks.touched(pair) != Some(false) && !forceless {
-                let (i, j) = (*first + batch.i[k] as usize, batch.j[k] as usize);
-                let path = Path::of_bodies::<S>(at, rows, composition, (i, j), batch.separation_of(k));
-                laws.ended(&path, history_before(history, pair, at.now), (i as u32, Some(j as u32)));
-            }
-            batch.withdraw(k);
+            let (i, j) = (*first + parted.i as usize, parted.j as usize);
+            let path = Path::of_bodies::<S>(at, rows, composition, (i, j), parted.separation.into());
+            laws.ended(&path, history_before(history, parted.pair, at.now), (i as u32, Some(j as u32)));
         }
-        batch.close(batch.count);
     }
 
-    /// Marks the contacts of a batch, and resolves those that have begun or come to the end of their force within the step.
+    /// Resolves the contacts of a batch that have begun or come to the end of their force within the step.
     fn resolve_touching<S: Space, T: Arithmetic>(
         &mut self,
         batch: &mut Batch<T>,
@@ -271,23 +266,29 @@ impl Tile {
         let Self { first, history, marks, impulses, tally, .. } = self;
         let mut single = arena.single();
         let mut laws = Resolver::new(&mut single, arena, index, at, impulses, tally);
-        for k in 0..batch.len() {
-            let pair = batch.pair[k];
-            marks.touches(pair);
-            let clipped = laws.is_clipped(batch, k);
-            if clipped {
-                marks.is_clipped(pair);
+        let mut resolve = |batch: &mut Batch<T>, k: usize| {
+            let Some(rows) = &at.resolved else { return };
+            let (i, j) = (*first + batch.i[k] as usize, batch.j[k] as usize);
+            let path = Path::of_bodies::<S>(at, rows, composition, (i, j), batch.separation_of(k));
+            let before = history_before(history, batch.pair[k], at.now);
+            laws.touching(batch, k, &path, before, (i as u32, Some(j as u32)));
+        };
+        if composition.contact_end == ContactEnd::Force {
+            for k in 0..batch.len() {
+                if batch.is_clipped(k) {
+                    let pair = batch.pair[k];
+                    marks.clip(pair);
+                    if !marks.was_clipped(pair) {
+                        resolve(batch, k);
+                    }
+                }
             }
-            let Some(rows) = &at.resolved else { continue };
-            let begun = match marks.touched(pair) {
-                Some(touched) => !touched,
-                None => batch.overlap[k].wide() + composition.reach <= rows.margin,
-            };
-            if begun || (clipped && !marks.was_clipped(pair)) {
-                let (i, j) = (*first + batch.i[k] as usize, batch.j[k] as usize);
-                let path = Path::of_bodies::<S>(at, rows, composition, (i, j), batch.separation_of(k));
-                let before = history_before(history, pair, at.now);
-                laws.touching(batch, k, &path, before, (i as u32, Some(j as u32)));
+        }
+        for number in 0..batch.begun.len() {
+            let k = batch.begun[number] as usize;
+            // One that has begun and come to its end of force in the same step was resolved above.
+            if composition.contact_end == ContactEnd::Overlap || !batch.is_clipped(k) {
+                resolve(batch, k);
             }
         }
     }

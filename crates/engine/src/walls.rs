@@ -1,7 +1,7 @@
 //! Contacts with walls.
 
 use granule_geometry::{Surface, Wall};
-use granule_law_api::Columns;
+use granule_law_api::{Columns, ContactEnd};
 use granule_plan::Composition;
 use granule_state::{Lanes, Row};
 use nalgebra::Vector3;
@@ -212,7 +212,8 @@ impl Tile {
         let (impulses, tally) = (&mut self.impulses, &mut self.tally);
         let mut laws = Resolver::new(&mut single, arena, index, at, impulses, tally);
         for k in 0..batch.len() {
-            if batch.overlap[k].wide() + composition.reach > rows.margin && !laws.is_clipped(batch, k) {
+            let clipped = composition.contact_end == ContactEnd::Force && batch.is_clipped(k);
+            if batch.overlap[k].wide() + composition.reach > rows.margin && !clipped {
                 continue;
             }
             let place = self.first + batch.i[k] as usize;
