@@ -281,3 +281,26 @@ fn a_run_may_be_cut_into_any_steps() {
     };
     assert_eq!(end(0.4), end(0.1));
 }
+
+/// A random layer is a lattice with displacements and velocities along the plate.
+#[test]
+fn a_random_layer_lies_on_the_plate() {
+    let text = format!(
+        r#"(version: 1, gravity: (0, 0, -{G}), materials: {{ "steel": (density: 7850) }},
+          cell: (lo: (0, 0, 0), hi: (0.06, 0.06, 0.01), periodic: (true, true, false)),
+          bodies: [Lattice(material: "steel", radius: {R}, kind: Cubic, spacing: 0.006, jitter: 0.0009,
+                           lo: (0.003, 0.003, {R}), hi: (0.057, 0.057, 0.0021), velocity_spread: 0.1)],
+          substrate: (laws: {{ "steel": StickSlip(friction: 0.1) }}),
+          contacts: [(between: ("steel", "steel"), collision: HardSphere(restitution: 0.9))],
+          driver: Event(), run: (duration: 1))"#
+    );
+    let mut driver = start(&text);
+    let begin = states(&driver);
+    assert_eq!(begin.len(), 100);
+    assert!(begin.iter().any(|body| body.velocity[1].abs() > 0.05));
+    advance(&mut driver, 100);
+    for body in begin.iter().chain(&states(&driver)) {
+        assert_eq!((body.position[2], body.velocity[2]), (R, 0.0));
+    }
+    assert!(driver.counts().collisions > 50, "{:?}", driver.counts());
+}

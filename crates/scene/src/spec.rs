@@ -55,7 +55,8 @@ const SPREAD: Field = opt(
     "velocity_spread",
     "velocity in m/s, at least 0",
     "0",
-    "Each velocity component gets a random addition, even between minus and plus this.",
+    "Each velocity component gets a random addition, even between minus and plus this; on a `substrate` that bodies never \
+     leave, along x and y alone.",
 );
 const SHAPE: Field = opt(
     "shape",
@@ -267,7 +268,8 @@ pub const LATTICE: Block = Block {
             "jitter",
             "length in m, at least 0",
             "0",
-            "Each coordinate is displaced at random, evenly between minus and plus this.",
+            "Each coordinate is displaced at random, evenly between minus and plus this; on a `substrate` that bodies never leave, \
+             x and y alone.",
         ),
         opt("velocity", VELOCITY, "at rest", "Common velocity."),
         SPREAD,

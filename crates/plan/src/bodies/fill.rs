@@ -4,7 +4,7 @@ use granule_geometry::{Cell, Surface};
 use granule_scene::{FillAmount, FillBlock, RadiusChoice};
 use nalgebra::Vector3;
 
-use super::random::{Purpose, Random};
+use super::random::{self, Purpose, Random};
 use super::{Common, Draft, MOST, Occupancy, common};
 use crate::build::Builder;
 use crate::model::Dimensions;
@@ -71,7 +71,7 @@ pub fn bodies(
     }
     let spread = block.velocity_spread.as_ref().map_or(0.0, |spread| spread.value);
     builder.decide_one("random fill", true, format!("{requested} bodies requested, {} placed", placed.len()));
-    finish(builder.scene.seed, index, &common, placed, spread, axes)
+    finish(builder.scene.seed, index, &common, placed, spread, random::axes(builder))
 }
 
 fn finish(

@@ -3,7 +3,7 @@
 use granule_geometry::Cell;
 use granule_scene::{LatticeBlock, LatticeKind};
 
-use super::random::{Purpose, Random};
+use super::random::{Purpose, Random, axes};
 use super::{Draft, MOST, common};
 use crate::build::Builder;
 use crate::model::Dimensions;
@@ -57,7 +57,7 @@ pub fn bodies(
         builder.error(block.spacing.span.clone(), message);
         return Vec::new();
     }
-    let axes = if planar { 2 } else { 3 };
+    let axes = axes(builder);
     let mut jitter = Random::new(builder.scene.seed, index, Purpose::Places);
     let mut thermal = Random::new(builder.scene.seed, index, Purpose::Velocities);
     let amount = |quantity: &Option<granule_scene::Spanned<f64>>| quantity.as_ref().map_or(0.0, |q| q.value);

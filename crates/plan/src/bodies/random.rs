@@ -4,6 +4,9 @@ use rand::Rng;
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 
+use crate::build::Builder;
+use crate::model::Dimensions;
+
 /// What a stream is for.
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose {
@@ -13,6 +16,12 @@ pub enum Purpose {
     Places,
     /// Velocities.
     Velocities,
+}
+
+/// Axes along which bodies are displaced and sped up at random: all of space, but those of a surface that they never leave.
+pub fn axes(builder: &Builder<'_>) -> usize {
+    let confined = builder.scene.substrate.as_ref().is_some_and(|substrate| substrate.confined);
+    if builder.dimensions == Dimensions::Two || confined { 2 } else { 3 }
 }
 
 /// A stream of random numbers.
