@@ -97,6 +97,11 @@ impl<'a> View<'a> {
         }
     }
 
+    /// True if the body at a place slips on the substrate; false without one, or in the air.
+    pub fn slips(&self, place: usize) -> bool {
+        self.bodies().surface.get(place).is_some_and(granule_engine::slips)
+    }
+
     /// All contacts, ordered by identities; hard bodies have none.
     pub fn contacts(&self) -> Vec<ContactRecord> {
         match &self.source {

@@ -31,5 +31,5 @@ pub use engine::{Engine, Phase};
 pub use error::EngineError;
 pub use granule_state::InstructionSet;
 pub use resolve::Losses;
-pub use substrate::{SubstrateTally, SubstrateWork};
+pub use substrate::{SubstrateTally, SubstrateWork, slips};
 pub use tally::{ContactPartner, ContactRecord, Tally, Work};

@@ -110,6 +110,11 @@ const fn footing(code: u64) -> Footing {
     }
 }
 
+/// True if a body with this motion on a surface slips.
+pub fn slips(row: &SurfaceRow) -> bool {
+    footing(row.footing) == Footing::Sliding
+}
+
 /// What all bodies of a step share.
 struct Step<'a> {
     plan: &'a SubstratePlan,

@@ -7,6 +7,7 @@ mod body_series;
 mod data_file;
 mod dump;
 mod energy;
+pub mod layer;
 mod observer;
 pub mod quantities;
 mod series;

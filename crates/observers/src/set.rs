@@ -6,6 +6,7 @@ use granule_drivers::View;
 use granule_formats::FormatError;
 use granule_plan::{OutputKind, OutputPlan, Plan};
 
+use crate::layer::{ImpactTable, LayerSeries, PairCorrelation};
 use crate::{BodySeries, DataFile, Dump, ObserveError, Observer, Provenance, Series, VtkSeries};
 
 /// An observer with the interval at which it looks.
@@ -152,6 +153,13 @@ fn sink(
         OutputKind::LammpsDump => Box::new(Dump::new(path, provenance)),
         OutputKind::Vtk { compressed } => Box::new(VtkSeries::new(&path, *compressed, provenance)),
         OutputKind::LammpsData => Box::new(DataFile::new(path, provenance)),
+        OutputKind::Layer { gap, neighbours } => {
+            Box::new(LayerSeries::new(path, *gap, *neighbours, plan, provenance))
+        }
+        OutputKind::PairCorrelation { range, bins } => {
+            Box::new(PairCorrelation::new(path, *range, *bins, provenance))
+        }
+        OutputKind::Impacts { reach } => Box::new(ImpactTable::new(path, *reach, provenance)),
     })
 }
 

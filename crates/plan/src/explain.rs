@@ -315,6 +315,15 @@ fn outputs(out: &mut String, plan: &Plan) {
             OutputKind::Vtk { compressed: true } => "VTK, compressed".to_string(),
             OutputKind::Vtk { compressed: false } => "VTK, not compressed".to_string(),
             OutputKind::LammpsData => "LAMMPS data file of the last state".to_string(),
+            OutputKind::Layer { gap, neighbours } => {
+                format!("layer, clusters by gaps below {gap:e} m, neighbours below {neighbours:e} m")
+            }
+            OutputKind::PairCorrelation { range, bins } => {
+                format!("pair correlation up to {range:e} m in {bins} intervals")
+            }
+            OutputKind::Impacts { reach } => {
+                format!("table of impacts, density within {reach:e} m; looks")
+            }
         };
         match output.kind {
             OutputKind::LammpsData => line(out, format_args!("  {}: {kind}", output.path.display())),

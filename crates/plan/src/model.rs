@@ -265,6 +265,25 @@ pub enum OutputKind {
     },
     /// LAMMPS data file of the last state.
     LammpsData,
+    /// CSV time series of many bodies together.
+    Layer {
+        /// Gap below which bodies are of one cluster \[m\].
+        gap: f64,
+        /// Gap below which bodies are neighbours for the index of segregation \[m\].
+        neighbours: f64,
+    },
+    /// CSV of pair correlations.
+    PairCorrelation {
+        /// Largest distance \[m\].
+        range: f64,
+        /// Intervals.
+        bins: usize,
+    },
+    /// CSV table of restitutions by density and speed.
+    Impacts {
+        /// Radius of the surroundings whose density counts \[m\].
+        reach: f64,
+    },
 }
 
 /// Quantities of a CSV time series: name, unit, meaning.

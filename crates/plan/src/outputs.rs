@@ -67,6 +67,26 @@ pub(crate) fn outputs(builder: &mut Builder<'_>, plan: &mut Plan) {
             OutputChoice::LammpsDump => OutputKind::LammpsDump,
             OutputChoice::Vtk { compressed } => OutputKind::Vtk { compressed: *compressed },
             OutputChoice::LammpsData => OutputKind::LammpsData,
+            OutputChoice::Layer { gap, neighbours } => {
+                let radius = largest(plan);
+                OutputKind::Layer {
+                    gap: gap.unwrap_or(0.1 * radius),
+                    neighbours: neighbours.unwrap_or(radius),
+                }
+            }
+            OutputChoice::PairCorrelation { range, bins } => {
+                OutputKind::PairCorrelation { range: *range, bins: *bins as usize }
+            }
+            OutputChoice::Impacts { reach } => {
+                if plan.event.is_some() {
+                    builder.error_help(
+                        block.span.clone(),
+                        "the driver `Event` has no contacts that last, so no `Impacts`",
+                        "it is an output of `driver: TimeStep`",
+                    );
+                }
+                OutputKind::Impacts { reach: reach.unwrap_or(6.0 * largest(plan)) }
+            }
         };
         plan.outputs.extend(path.map(|path| OutputPlan { path, kind, every }));
     }
@@ -86,7 +106,15 @@ fn kind_name(what: &OutputChoice) -> &'static str {
         OutputChoice::LammpsDump => "LammpsDump",
         OutputChoice::Vtk { .. } => "Vtk",
         OutputChoice::LammpsData => "LammpsData",
+        OutputChoice::Layer { .. } => "Layer",
+        OutputChoice::PairCorrelation { .. } => "PairCorrelation",
+        OutputChoice::Impacts { .. } => "Impacts",
     }
+}
+
+/// Largest radius of the bodies \[m\].
+fn largest(plan: &Plan) -> f64 {
+    plan.bodies.radius.iter().copied().fold(0.0, f64::max)
 }
 
 /// The path without `.` components.
@@ -113,6 +141,8 @@ fn path(builder: &mut Builder<'_>, block: &OutputBlock) -> Option<PathBuf> {
 fn every(builder: &mut Builder<'_>, block: &OutputBlock, plan: &Plan) -> u64 {
     let steps = plan.driver.steps;
     match &block.every {
+        // Contacts are seen only while they last.
+        None if matches!(block.what, OutputChoice::Impacts { .. }) => 1,
         None => (steps / ENTRIES).max(1),
         Some(every) => match every.value {
             EveryChoice::Steps(steps) => steps.max(1),

@@ -1,10 +1,12 @@
 //! What the user wrote, with places. Nothing here is checked against laws, other blocks or geometry: the plan does that.
 
 mod accuracy;
+mod outputs;
 
 use std::ops::Range;
 
 pub use accuracy::{AccuracyBlock, AccuracyGoal};
+pub use outputs::{EveryChoice, OutputBlock, OutputChoice};
 
 /// A value and the bytes of the text that it was read from.
 #[derive(Clone, Debug, PartialEq)]
@@ -534,50 +536,4 @@ pub enum RunBlock {
     Duration(Spanned<f64>),
     /// Steps.
     Steps(Spanned<u64>),
-}
-
-/// Interval between two entries of an output.
-#[derive(Clone, Debug, PartialEq)]
-pub enum EveryChoice {
-    /// Steps.
-    Steps(u64),
-    /// Simulated time \[s\].
-    Time(f64),
-}
-
-/// What an output holds.
-#[derive(Clone, Debug, PartialEq)]
-pub enum OutputChoice {
-    /// Time series of global quantities.
-    Series {
-        /// Names of the quantities; the usual ones if absent.
-        columns: Option<Vec<Spanned<String>>>,
-    },
-    /// Time series of single bodies.
-    Bodies {
-        /// Their ids.
-        ids: Vec<Spanned<u32>>,
-    },
-    /// LAMMPS text dump.
-    LammpsDump,
-    /// VTK files.
-    Vtk {
-        /// Compressed blocks.
-        compressed: bool,
-    },
-    /// LAMMPS data file of the last state.
-    LammpsData,
-}
-
-/// One output.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OutputBlock {
-    /// Path, relative to the output folder of the run.
-    pub path: Spanned<String>,
-    /// What it holds.
-    pub what: OutputChoice,
-    /// Interval.
-    pub every: Option<Spanned<EveryChoice>>,
-    /// Where the block stands.
-    pub span: Range<usize>,
 }

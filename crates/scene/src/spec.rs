@@ -2,10 +2,12 @@
 
 mod accuracy;
 mod event;
+mod layer;
 mod substrate;
 
 pub use accuracy::{ACCURACY, BUDGET};
 pub use event::{ARCS, EFFECTIVE_RESTITUTION, EVENT};
+pub use layer::{IMPACTS_OUTPUT, LAYER_OUTPUT, PAIR_CORRELATION_OUTPUT};
 pub use substrate::SUBSTRATE;
 
 /// One field.

@@ -120,6 +120,9 @@ pub fn length(r: &mut Reader, node: Node<'_>) -> Option<RunBlock> {
     }
 }
 
+const OUTPUTS: &[&str] =
+    &["Series", "Bodies", "LammpsDump", "Vtk", "LammpsData", "Layer", "PairCorrelation", "Impacts"];
+
 /// The list of outputs.
 pub fn outputs(r: &mut Reader, node: Node<'_>) -> Option<Blocks<OutputBlock>> {
     let items = r.list("outputs", node)?;
@@ -127,12 +130,15 @@ pub fn outputs(r: &mut Reader, node: Node<'_>) -> Option<Blocks<OutputBlock>> {
 }
 
 fn output(r: &mut Reader, node: Node<'_>) -> Option<OutputBlock> {
-    let variant = r.variant("outputs", node, &["Series", "Bodies", "LammpsDump", "Vtk", "LammpsData"])?;
+    let variant = r.variant("outputs", node, OUTPUTS)?;
     let spec: &'static Block = match variant.name {
         "Series" => &spec::SERIES_OUTPUT,
         "Bodies" => &spec::BODIES_OUTPUT,
         "LammpsDump" => &spec::DUMP_OUTPUT,
         "Vtk" => &spec::VTK_OUTPUT,
+        "Layer" => &spec::LAYER_OUTPUT,
+        "PairCorrelation" => &spec::PAIR_CORRELATION_OUTPUT,
+        "Impacts" => &spec::IMPACTS_OUTPUT,
         _ => &spec::DATA_OUTPUT,
     };
     let f = r.block(variant.content, spec, variant.span)?;
@@ -158,9 +164,24 @@ fn output(r: &mut Reader, node: Node<'_>) -> Option<OutputBlock> {
         "Vtk" => r
             .optional(&f, "compressed", Reader::boolean)
             .map(|compressed| OutputChoice::Vtk { compressed: compressed.unwrap_or(true) }),
+        "Layer" => {
+            let (gap, neighbours) = (r.optional(&f, "gap", distance), r.optional(&f, "neighbours", distance));
+            gap.zip(neighbours).map(|(gap, neighbours)| OutputChoice::Layer { gap, neighbours })
+        }
+        "PairCorrelation" => {
+            let range = r.required(&f, "range", distance);
+            let bins = r.optional(&f, "bins", |r, name, node| r.whole(name, node, 1, 10_000));
+            let bins = bins.map(|bins| bins.map_or(100, |bins| bins.value as u32));
+            range.zip(bins).map(|(range, bins)| OutputChoice::PairCorrelation { range, bins })
+        }
+        "Impacts" => r.optional(&f, "reach", distance).map(|reach| OutputChoice::Impacts { reach }),
         _ => Some(OutputChoice::LammpsData),
     };
     Some(OutputBlock { path: path?, what: what?, every: every?, span: node.span() })
+}
+
+fn distance(r: &mut Reader, name: &str, node: Node<'_>) -> Option<f64> {
+    r.quantity(name, node, Dimension::LENGTH, Allowed::Positive).map(|length| length.value)
 }
 
 fn series(r: &mut Reader, f: &Fields<'_>) -> Option<OutputChoice> {
