@@ -9,6 +9,7 @@ pub mod command;
 pub mod directions;
 pub mod figures;
 pub mod files;
+pub mod fuzz;
 pub mod json;
 pub mod members;
 pub mod new_law;
@@ -18,4 +19,5 @@ pub mod tidy;
 pub mod validate;
 
 /// Names of the tasks.
-pub const TASKS: [&str; 8] = ["validate", "test", "bench", "figures", "new-law", "pages", "tidy", "ci"];
+pub const TASKS: [&str; 9] =
+    ["validate", "test", "bench", "figures", "fuzz", "new-law", "pages", "tidy", "ci"];

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use xtask::command::Error;
-use xtask::{bench, ci, figures, files, new_law, pages, test, tidy, validate};
+use xtask::{bench, ci, figures, files, fuzz, new_law, pages, test, tidy, validate};
 
 const USAGE: &str = "\
 cargo xtask <task>
@@ -32,6 +32,8 @@ cargo xtask <task>
   figures NAME [--docs]
                compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding, kondic
                  --docs   write them into docs/ instead
+  fuzz [TARGET] [--inputs N]
+               feed N (default 10^6) random inputs to each fuzz target of tests/tests/fuzz.rs, or to one
   new-law SLOT/NAME [--external DIR]
                write a new law crate: in laws/, or with --external a crate and a program of its own in DIR
   pages        rewrite the generated pages of docs/
@@ -64,6 +66,7 @@ fn task(words: &[String]) -> Result<(), Error> {
         "test" => test::test(&root, &test::Options::parse(rest)?),
         "bench" => bench::bench(&root, rest),
         "figures" => figures::figures(&root, rest),
+        "fuzz" => fuzz::fuzz(&root, &fuzz::Options::parse(rest)?),
         "new-law" => new_law::new_law(&root, &new_law::Options::parse(rest)?),
         "pages" => alone().and_then(|()| pages::pages(&root)),
         "tidy" => alone().and_then(|()| tidy::tidy(&root)),

@@ -1,8 +1,10 @@
 //! The command line.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Parser, Subcommand};
+use granule::{Allowance, DataFiles};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -10,6 +12,7 @@ Exit codes:
   1    the scene has errors or cannot be read, or there is no such law
   2    the command line is wrong
   3    the run failed: a number is no longer finite, an output cannot be written, or a self-test fails
+  4    --max-time is over; what was written is whole
   130  stopped by Ctrl-C or a termination signal; what was written is whole";
 
 /// Granular matter, simulated grain by grain.
@@ -19,6 +22,68 @@ pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// What scenes may use.
+    #[command(flatten)]
+    pub bounds: Bounds,
+}
+
+/// Bounds for scenes that somebody else wrote.
+#[derive(Debug, clap::Args)]
+pub struct Bounds {
+    /// Refuse scenes whose plan and run are estimated to need more memory, as in 2GiB or 500MB
+    #[arg(long, value_name = "SIZE", global = true, value_parser = memory, help_heading = "Bounds")]
+    pub max_memory: Option<u64>,
+    /// Let scenes read data files outside of their own folder
+    #[arg(long, global = true, help_heading = "Bounds")]
+    pub data_anywhere: bool,
+}
+
+impl Bounds {
+    /// What planning may use.
+    pub fn allowance(&self) -> Allowance {
+        Allowance {
+            memory: self.max_memory.unwrap_or(u64::MAX),
+            files: if self.data_anywhere { DataFiles::Anywhere } else { DataFiles::BesideScene },
+        }
+    }
+}
+
+/// Bytes, with a decimal or binary prefix.
+fn memory(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 10] = [
+        ("KiB", 1024.0),
+        ("MiB", 1_048_576.0),
+        ("GiB", 1_073_741_824.0),
+        ("TiB", 1_099_511_627_776.0),
+        ("kB", 1e3),
+        ("MB", 1e6),
+        ("GB", 1e9),
+        ("TB", 1e12),
+        ("B", 1.0),
+        ("", 1.0),
+    ];
+    let text = text.trim();
+    let unit = UNITS.iter().find(|(name, _)| text.ends_with(name));
+    let value = unit.and_then(|(name, size)| {
+        let number: f64 = text[..text.len() - name.len()].trim().parse().ok()?;
+        Some(number * size)
+    });
+    match value {
+        Some(bytes) if bytes >= 1.0 && bytes < u64::MAX as f64 => Ok(bytes as u64),
+        _ => Err("a size is a number of bytes, as 2e9, 500MB or 2GiB".to_string()),
+    }
+}
+
+/// A time with its unit, or a number of seconds.
+fn time(text: &str) -> Result<Duration, String> {
+    let seconds = text.trim().parse::<f64>().map_err(|_| ()).or_else(|()| {
+        granule::parts::units::parse_as(text, granule::parts::units::Dimension::TIME)
+            .map_err(|error| error.to_string())
+    })?;
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(time) if !time.is_zero() => Ok(time),
+        _ => Err("a time is a positive number, as 90, \"90 s\" or \"2 h\"".to_string()),
+    }
 }
 
 /// What to do.
@@ -128,6 +193,9 @@ pub struct RunArguments {
     /// Replace outputs of another scene in the output folder
     #[arg(long)]
     pub force: bool,
+    /// End the run after so much time on the clock, as in "90 s" or "2 h": its outputs are then whole up to there
+    #[arg(long, value_name = "TIME", value_parser = time, help_heading = "Bounds")]
+    pub max_time: Option<Duration>,
 }
 
 /// `granule selftest`.

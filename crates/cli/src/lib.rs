@@ -15,14 +15,18 @@ use commands::Exit;
 
 /// Reads the command line of this process and does what it says.
 pub fn main() -> ExitCode {
-    let exit = match Arguments::parse().command {
-        Command::Run(arguments) => commands::run::run(&arguments),
-        Command::Explain { scene } => commands::explain::explain(&scene),
-        Command::Check { scenes } => commands::check::check(&scenes),
-        Command::Trade(arguments) => commands::trade::trade(&arguments),
-        Command::Advise(arguments) => commands::advise::advise(&arguments),
-        Command::CompareModels(arguments) => commands::compare_models::compare(&arguments),
-        Command::Law { command: LawCommand::Check { scene, speed } } => commands::law::check(&scene, speed),
+    let arguments = Arguments::parse();
+    let allowance = arguments.bounds.allowance();
+    let exit = match arguments.command {
+        Command::Run(arguments) => commands::run::run(&arguments, &allowance),
+        Command::Explain { scene } => commands::explain::explain(&scene, &allowance),
+        Command::Check { scenes } => commands::check::check(&scenes, &allowance),
+        Command::Trade(arguments) => commands::trade::trade(&arguments, &allowance),
+        Command::Advise(arguments) => commands::advise::advise(&arguments, &allowance),
+        Command::CompareModels(arguments) => commands::compare_models::compare(&arguments, &allowance),
+        Command::Law { command: LawCommand::Check { scene, speed } } => {
+            commands::law::check(&scene, speed, &allowance)
+        }
         Command::Calibrate(arguments) => commands::calibrate::calibrate(&arguments),
         Command::Selftest(arguments) => commands::selftest::selftest(&arguments),
         Command::Laws { name, example } => commands::laws::laws(name.as_deref(), example),

@@ -9,7 +9,7 @@
 //! let stop = std::sync::atomic::AtomicBool::new(false);
 //! let summary = granule::run(
 //!     "scene.ron",
-//!     RunOptions { output_dir: None, threads: None, force: false, progress: &mut Silent, stop: &stop },
+//!     RunOptions { output_dir: None, threads: None, force: false, progress: &mut Silent, stop: &stop, max_time: None },
 //! )?;
 //! println!("{} steps, result {}", summary.steps, summary.result_hash);
 //! # Ok::<(), RunError>(())
@@ -46,10 +46,12 @@ mod selftest;
 pub use calibrate::{CalibrateError, calibrate};
 pub use directory::{DirectoryError, default_directory};
 pub use granule_calibration as calibration;
-pub use granule_plan::explain;
+pub use granule_plan::{Allowance, DataFiles, explain};
 pub use granule_trade as trade;
 pub use law_check::{Figures, LawCheck, law_check};
-pub use load::{LoadError, Loaded, Source, laws, load, load_text, load_without_wish, measured_again};
+pub use load::{
+    LoadError, Loaded, Source, laws, load, load_text, load_within, load_without_wish, measured_again,
+};
 pub use progress::{Outlook, Progress, Silent, Status};
 pub use run::{Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};
 pub use selftest::{SelftestResult, selftest, selftest_names};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use granule_law_api::{Registry, RegistryError};
 use granule_laws as _;
-use granule_plan::{Decision, Plan};
+use granule_plan::{Allowance, Decision, Plan};
 use granule_scene::{Diagnostic, Parsed, Scene};
 use granule_trade::Choice;
 
@@ -116,22 +116,30 @@ pub fn laws() -> Result<Registry, RegistryError> {
 /// # Errors
 /// The file cannot be read, or the scene has errors; see [`LoadError`].
 pub fn load(path: impl AsRef<Path>) -> Result<Loaded, LoadError> {
+    load_within(path, &Allowance::UNBOUNDED)
+}
+
+/// The same for a scene that somebody else wrote: what asks for more than `allowance` is an error of the scene.
+///
+/// # Errors
+/// As for [`load`].
+pub fn load_within(path: impl AsRef<Path>, allowance: &Allowance) -> Result<Loaded, LoadError> {
     let path = path.as_ref();
-    load_text(path, read(path)?)
+    text_within(path, read(path)?, allowance)
 }
 
 /// Reads a scene file and plans it with the step of its driver block, whatever accuracy or time it asks for.
 ///
 /// # Errors
 /// As for [`load`].
-pub fn load_without_wish(path: impl AsRef<Path>) -> Result<Loaded, LoadError> {
+pub fn load_without_wish(path: impl AsRef<Path>, allowance: &Allowance) -> Result<Loaded, LoadError> {
     let path = path.as_ref();
     let text = read(path)?;
     let without = ["accuracy", "budget"]
         .into_iter()
         .try_fold(text.clone(), |text, field| granule_scene::remove_field(&text, field));
     // A text that is no RON has its errors reported as it is.
-    load_text(path, without.unwrap_or(text))
+    text_within(path, without.unwrap_or(text), allowance)
 }
 
 /// Plans the text of a scene. Files that it imports are looked for beside `path`, which itself need not exist.
@@ -139,25 +147,34 @@ pub fn load_without_wish(path: impl AsRef<Path>) -> Result<Loaded, LoadError> {
 /// # Errors
 /// As for [`load`].
 pub fn load_text(path: &Path, text: String) -> Result<Loaded, LoadError> {
+    text_within(path, text, &Allowance::UNBOUNDED)
+}
+
+fn text_within(path: &Path, text: String, allowance: &Allowance) -> Result<Loaded, LoadError> {
     let registry = laws().map_err(LoadError::Registry)?;
     let source = Source { path: path.to_path_buf(), text };
     let parsed = granule_scene::parse(&source.text);
     let asks = parsed.scene.as_ref().filter(|scene| scene.accuracy.is_some() && scene.complete);
     if let Some(scene) = asks {
-        return decided(&registry, scene, source, parsed.diagnostics);
+        return decided(&registry, scene, source, parsed.diagnostics, allowance);
     }
-    let (plan, diagnostics) = plan(&registry, &source, parsed);
+    let (plan, diagnostics) = plan(&registry, &source, parsed, allowance);
     match plan {
         Some(plan) => Ok(Loaded { source, plan, warnings: diagnostics, choice: None }),
         None => Err(LoadError::Scene { source, diagnostics }),
     }
 }
 
-fn plan(registry: &Registry, source: &Source, parsed: Parsed) -> (Option<Plan>, Vec<Diagnostic>) {
+fn plan(
+    registry: &Registry,
+    source: &Source,
+    parsed: Parsed,
+    allowance: &Allowance,
+) -> (Option<Plan>, Vec<Diagnostic>) {
     let mut diagnostics = parsed.diagnostics;
     let mut plan = None;
     if let Some(scene) = &parsed.scene {
-        let (built, problems) = granule_plan::build(scene, registry, folder(&source.path));
+        let (built, problems) = granule_plan::build_within(scene, registry, folder(&source.path), allowance);
         plan = built;
         diagnostics.extend(problems);
         granule_scene::tidy(&mut diagnostics);
@@ -171,10 +188,12 @@ fn decided(
     scene: &Scene,
     source: Source,
     mut diagnostics: Vec<Diagnostic>,
+    allowance: &Allowance,
 ) -> Result<Loaded, LoadError> {
     let beside = folder(&source.path);
     // Every other problem first: a choice for a wrong scene has no sense.
-    let (ready, problems) = granule_plan::build(&Scene { accuracy: None, ..scene.clone() }, registry, beside);
+    let plain = Scene { accuracy: None, ..scene.clone() };
+    let (ready, problems) = granule_plan::build_within(&plain, registry, beside, allowance);
     diagnostics.extend(problems);
     let mut fail = |problems: Vec<Diagnostic>| {
         diagnostics.extend(problems);
@@ -192,7 +211,7 @@ fn decided(
     };
     let source = Source { text: choice.text.clone(), ..source };
     let parsed = granule_scene::parse(&source.text);
-    let (plan, warnings) = plan(registry, &source, parsed);
+    let (plan, warnings) = plan(registry, &source, parsed, allowance);
     let Some(mut plan) = plan else { return Err(LoadError::Scene { source, diagnostics: warnings }) };
     plan.decisions.push(Decision { topic: choice.goal.field(), included: true, why: choice.why() });
     for row in &choice.table {

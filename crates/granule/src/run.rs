@@ -33,6 +33,8 @@ pub struct RunOptions<'a> {
     pub progress: &'a mut dyn Progress,
     /// Set it, from any thread, to end the run early.
     pub stop: &'a AtomicBool,
+    /// Ends the run when it has taken so long.
+    pub max_time: Option<Duration>,
 }
 
 /// How a run ended.
@@ -42,6 +44,8 @@ pub enum Ending {
     Completed,
     /// Earlier, because it was asked to stop.
     Stopped,
+    /// Earlier, because it took as long as it may.
+    OutOfTime,
 }
 
 /// How well the energy ledger closes.
@@ -186,7 +190,13 @@ pub fn run_plan(
         begin: Instant::now(),
     };
     run.record("running", None)?;
-    run.go(directory, options.progress, options.stop)
+    run.go(directory, options.progress, &Limits { stop: options.stop, max_time: options.max_time })
+}
+
+/// What ends a run early.
+struct Limits<'a> {
+    stop: &'a AtomicBool,
+    max_time: Option<Duration>,
 }
 
 /// A run under way.
@@ -206,7 +216,7 @@ impl Run {
         &mut self,
         directory: &Path,
         progress: &mut dyn Progress,
-        stop: &AtomicBool,
+        limits: &Limits<'_>,
     ) -> Result<RunSummary, RunError> {
         let steps = self.plan.driver.steps;
         progress.begin(&Outlook {
@@ -219,7 +229,7 @@ impl Run {
         });
         self.begin = Instant::now();
         let start_energy = self.plan.ledger.then(|| Energy::of(&self.driver.view()));
-        let result = self.steps(progress, stop);
+        let result = self.steps(progress, limits);
         progress.end(&self.status());
         let ending = match result {
             Ok(ending) => ending,
@@ -241,6 +251,7 @@ impl Run {
         let outcome = match ending {
             Ending::Completed => "completed",
             Ending::Stopped => "stopped by the user",
+            Ending::OutOfTime => "stopped when its time was over",
         };
         self.record(outcome, Some(result_hash.clone()))?;
         let mut outputs: Vec<PathBuf> = self.observers.files().map(|(path, _)| path.to_path_buf()).collect();
@@ -260,7 +271,7 @@ impl Run {
         })
     }
 
-    fn steps(&mut self, progress: &mut dyn Progress, stop: &AtomicBool) -> Result<Ending, Failure> {
+    fn steps(&mut self, progress: &mut dyn Progress, limits: &Limits<'_>) -> Result<Ending, Failure> {
         let steps = self.plan.driver.steps;
         self.observe(Observers::start)?;
         // Steps between two reports: doubled and halved until they take about as long as `REPORT`.
@@ -271,7 +282,7 @@ impl Run {
             let report = step.saturating_add(stride);
             let until = steps.min(due).min(report);
             let before = Instant::now();
-            let advance = self.driver.advance(until, stop)?;
+            let advance = self.driver.advance(until, limits.stop)?;
             let spent = before.elapsed();
             if spent < REPORT / 2 && until == report {
                 stride = stride.saturating_mul(2);
@@ -286,6 +297,11 @@ impl Run {
                 self.observe(Observers::observe)?;
             }
             progress.advance(&self.status());
+            let over = limits.max_time.is_some_and(|most| self.begin.elapsed() >= most);
+            if over && self.driver.step() < steps {
+                self.observe(Observers::finish)?;
+                return Ok(Ending::OutOfTime);
+            }
         }
         self.observe(Observers::finish)?;
         Ok(Ending::Completed)

@@ -34,7 +34,14 @@ fn scene_in(folder: &Path, text: &str) -> std::path::PathBuf {
 }
 
 fn options<'a>(folder: &Path, progress: &'a mut dyn Progress, stop: &'a AtomicBool) -> RunOptions<'a> {
-    RunOptions { output_dir: Some(folder.join("out")), threads: Some(1), force: false, progress, stop }
+    RunOptions {
+        output_dir: Some(folder.join("out")),
+        threads: Some(1),
+        force: false,
+        progress,
+        stop,
+        max_time: None,
+    }
 }
 
 /// Remembers what it was told; asks to stop after `patience` reports.

@@ -76,6 +76,10 @@ impl Common {
 pub(crate) fn drafts(builder: &mut Builder<'_>, room: Option<&Cell>, walls: &[WallPlan]) -> Vec<Draft> {
     let scene = builder.scene;
     let mut drafts: Vec<Draft> = Vec::new();
+    let singles = scene.bodies.items.iter().filter(|body| matches!(body, BodyBlock::Single(_))).count();
+    if !builder.affords(singles as f64, &scene.bodies.span) {
+        return drafts;
+    }
     for (block, body) in scene.bodies.items.iter().enumerate() {
         let before = drafts.len();
         match body {

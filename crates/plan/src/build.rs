@@ -1,5 +1,6 @@
 //! Scene and registry to a plan.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
@@ -9,6 +10,7 @@ use granule_scene::{
     Diagnostic, IntegratorChoice, PrecisionChoice, Scene, Severity, Vector, suggestion, tidy,
 };
 
+use crate::allowance::Allowance;
 use crate::bodies::Draft;
 use crate::model::{Decision, Dimensions, MaterialPlan, Plan, Precision, Scheme};
 use crate::{bodies, checks, laws, outputs, schedule, substrate, walls};
@@ -17,10 +19,37 @@ use crate::{bodies, checks, laws, outputs, schedule, substrate, walls};
 ///
 /// The plan is absent if there is any error, or if some part of the scene could not be read. All problems are reported
 /// at once, in the order of their places; those of reading are in [`granule_scene::Parsed`].
+///
+/// A scene that somebody else wrote may ask for anything: [`build_within`] bounds it.
 pub fn build(scene: &Scene, registry: &Registry, base: &Path) -> (Option<Plan>, Vec<Diagnostic>) {
+    build_within(scene, registry, base, &Allowance::UNBOUNDED)
+}
+
+/// The same for a scene that may use no more than `allowance`: what asks for more is an error of the scene.
+pub fn build_within(
+    scene: &Scene,
+    registry: &Registry,
+    base: &Path,
+    allowance: &Allowance,
+) -> (Option<Plan>, Vec<Diagnostic>) {
     let dimensions = if scene.dimensions.value == 2 { Dimensions::Two } else { Dimensions::Three };
     let (diagnostics, decisions) = (Vec::new(), Vec::new());
-    let mut builder = Builder { scene, registry, base, dimensions, diagnostics, decisions };
+    let mut materials = BTreeMap::new();
+    for (index, material) in scene.materials.items.iter().enumerate() {
+        // Of two with one name, which is an error, the first.
+        materials.entry(material.name.value.as_str()).or_insert(index);
+    }
+    let mut builder = Builder {
+        scene,
+        registry,
+        base,
+        allowance,
+        materials,
+        dimensions,
+        diagnostics,
+        decisions,
+        bodies: 0.0,
+    };
     let plan = builder.plan();
     let mut diagnostics = builder.diagnostics;
     tidy(&mut diagnostics);
@@ -33,9 +62,14 @@ pub(crate) struct Builder<'a> {
     pub scene: &'a Scene,
     pub registry: &'a Registry,
     pub base: &'a Path,
+    pub allowance: &'a Allowance,
+    /// Place of each material, by name.
+    pub materials: BTreeMap<&'a str, usize>,
     pub dimensions: Dimensions,
     pub diagnostics: Vec<Diagnostic>,
     pub decisions: Vec<Decision>,
+    /// Bodies that lattices, fills and files have asked for.
+    pub bodies: f64,
 }
 
 impl Builder<'_> {
@@ -217,10 +251,10 @@ impl Builder<'_> {
 
     /// Index of a material.
     pub fn material(&mut self, name: &granule_scene::Spanned<String>) -> Option<u16> {
-        let items = &self.scene.materials.items;
-        if let Some(index) = items.iter().position(|material| material.name.value == name.value) {
-            return u16::try_from(index).ok();
+        if let Some(index) = self.materials.get(name.value.as_str()) {
+            return u16::try_from(*index).ok();
         }
+        let items = &self.scene.materials.items;
         // A material that could not be read is reported already.
         if self.scene.materials.complete {
             let known: Vec<&str> = items.iter().map(|material| material.name.value.as_str()).collect();

@@ -3,6 +3,7 @@
 pub(crate) mod check;
 pub(crate) mod meeting;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use granule_law_api::{Columns, Conventions, PairContext, Slot};
@@ -15,6 +16,9 @@ use crate::build::Builder;
 use crate::model::WallPlan;
 use crate::model::{Composition, MaterialPlan, StagePlan};
 use crate::speed::{self, SpeedReason};
+
+/// Most pairs of materials, and of materials and walls, that can meet.
+pub(crate) const MOST_MEETINGS: usize = 200_000;
 
 /// What the laws are compiled for.
 pub(crate) struct Setting<'a> {
@@ -48,6 +52,8 @@ struct Checked<'s> {
 pub(crate) fn compositions(builder: &mut Builder<'_>, setting: &Setting<'_>) -> Vec<Composition> {
     let scene = builder.scene;
     let mut checked: Vec<Checked<'_>> = Vec::new();
+    // Place of the block of a pair.
+    let mut block_of: BTreeMap<(u16, u16), usize> = BTreeMap::new();
     let mut whole = scene.contacts.complete && scene.materials.complete;
     for block in &scene.contacts.items {
         let first = builder.material(&block.between.0);
@@ -58,7 +64,7 @@ pub(crate) fn compositions(builder: &mut Builder<'_>, setting: &Setting<'_>) -> 
             continue;
         };
         let pair = (first.min(second), first.max(second));
-        if checked.iter().any(|earlier| earlier.pair == pair) {
+        if block_of.contains_key(&pair) {
             let (a, b) = (&block.between.0, &block.between.1);
             builder.error(
                 a.span.start..b.span.end,
@@ -66,6 +72,7 @@ pub(crate) fn compositions(builder: &mut Builder<'_>, setting: &Setting<'_>) -> 
             );
             continue;
         }
+        block_of.insert(pair, checked.len());
         match laws {
             Some(laws) => checked.push(Checked { pair, block, laws }),
             None => {
@@ -79,18 +86,27 @@ pub(crate) fn compositions(builder: &mut Builder<'_>, setting: &Setting<'_>) -> 
     }
     let (speed, reason) = setting.impact_speed(builder);
     let meetings = meetings(setting);
+    if meetings.len() > MOST_MEETINGS {
+        let message =
+            format!("more than {MOST_MEETINGS} pairs of materials, or materials and walls, can meet");
+        builder.error(scene.materials.span.clone(), message);
+        return Vec::new();
+    }
     if !meetings.is_empty() {
         builder.decide_one("impact speed", true, format!("{speed:.6e} m/s: {}", reason.text()));
     }
     let mut compositions = Vec::new();
-    let mut missing: Vec<(u16, u16)> = Vec::new();
+    let mut missing: BTreeSet<(u16, u16)> = BTreeSet::new();
+    let mut met: BTreeSet<(u16, u16)> = BTreeSet::new();
     for meeting in &meetings {
         let pair = (meeting.material.min(meeting.other), meeting.material.max(meeting.other));
         let names = || [pair.0, pair.1].map(|index| setting.materials[usize::from(index)].name.as_str());
-        let Some(checked) = checked.iter().find(|checked| checked.pair == pair) else {
+        met.insert(pair);
+        let Some(checked) =
+            block_of.get(&pair).and_then(|at| checked.get(*at)).filter(|found| found.pair == pair)
+        else {
             // Once for each pair of materials.
-            if whole && !missing.contains(&pair) {
-                missing.push(pair);
+            if whole && missing.insert(pair) {
                 let [a, b] = names();
                 builder.error_help(
                     scene.contacts.span.clone(),
@@ -124,10 +140,7 @@ pub(crate) fn compositions(builder: &mut Builder<'_>, setting: &Setting<'_>) -> 
         compositions.extend(compile(builder, setting, checked, meeting, speed));
     }
     for checked in &checked {
-        let used = meetings.iter().any(|meeting| {
-            (meeting.material.min(meeting.other), meeting.material.max(meeting.other)) == checked.pair
-        });
-        if !used {
+        if !met.contains(&checked.pair) {
             let [a, b] =
                 [checked.pair.0, checked.pair.1].map(|k| setting.materials[usize::from(k)].name.clone());
             builder.decide_one("contact", false, format!("{a} and {b} cannot meet: their laws are left out"));

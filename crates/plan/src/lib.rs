@@ -3,6 +3,7 @@
 //! [`build`] turns a scene into a [`Plan`]: bodies and walls in place, laws compiled for the pairs of materials that can
 //! meet, a time step that is stable. The plan holds only what the scene requires; [`explain()`] says what that is and why.
 
+mod allowance;
 mod bodies;
 mod build;
 mod checks;
@@ -22,7 +23,8 @@ mod speed;
 mod substrate;
 mod walls;
 
-pub use build::build;
+pub use allowance::{Allowance, DataFiles, memory_estimate};
+pub use build::{build, build_within};
 pub use explain::explain;
 pub use fingerprint::fingerprint;
 pub use limits::{Limits, limits};

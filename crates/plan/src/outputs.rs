@@ -1,5 +1,6 @@
 //! Files that the scene asks for.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
 use granule_scene::{EveryChoice, OutputBlock, OutputChoice, suggestion};
@@ -15,6 +16,8 @@ const LEDGER: [&str; 5] =
 const EVENT: [&str; 2] = ["collisions", "overlapping_collisions"];
 const SOFT: [&str; 4] = ["contacts", "coordination_number", "maximum_overlap", "elastic_energy"];
 
+/// Most outputs: each keeps a file open.
+const MOST: usize = 1000;
 /// Entries of an output whose interval is not given.
 const ENTRIES: u64 = 100;
 
@@ -22,15 +25,15 @@ const ENTRIES: u64 = 100;
 pub(crate) fn outputs(builder: &mut Builder<'_>, plan: &mut Plan) {
     let scene = builder.scene;
     let mut ledger_for: Option<String> = None;
+    if scene.outputs.items.len() > MOST {
+        builder.error(scene.outputs.span.clone(), format!("at most {MOST} outputs"));
+        return;
+    }
+    let mut first: BTreeMap<PathBuf, &OutputBlock> = BTreeMap::new();
     for block in &scene.outputs.items {
         let path = path(builder, block);
-        if let Some(earlier) = scene
-            .outputs
-            .items
-            .iter()
-            .take_while(|other| !std::ptr::eq(*other, block))
-            .find(|other| clean(Path::new(&other.path.value)) == clean(Path::new(&block.path.value)))
-        {
+        let earlier = *first.entry(clean(Path::new(&block.path.value))).or_insert(block);
+        if !std::ptr::eq(earlier, block) {
             let message = format!("two outputs go to `{}`", block.path.value);
             let help = format!("the other is a {}", kind_name(&earlier.what));
             builder.error_help(block.path.span.clone(), message, help);
@@ -185,7 +188,8 @@ fn series(
             .collect();
     };
     let known: Vec<&str> = SERIES.iter().map(|(name, _, _)| *name).collect();
-    for (index, column) in columns.iter().enumerate() {
+    let mut seen: BTreeSet<&str> = BTreeSet::new();
+    for column in columns {
         if !known.contains(&column.value.as_str()) {
             let help = suggestion("quantities", &column.value, &known);
             builder.error_help(column.span.clone(), format!("there is no quantity `{}`", column.value), help);
@@ -198,7 +202,7 @@ fn series(
                 format!("the driver `{has}` has no `{}`", column.value),
                 format!("it is a quantity of `driver: {other}`"),
             );
-        } else if columns[..index].iter().any(|earlier| earlier.value == column.value) {
+        } else if !seen.insert(&column.value) {
             builder.error(column.span.clone(), format!("quantity `{}` is given twice", column.value));
         }
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use granule::Allowance;
 use granule::parts::formats::atomic;
 use granule::trade::{Advice, Options, Setting, TradeError, advice_json, chosen_scene};
 
@@ -15,9 +16,9 @@ use crate::args::AdviseArguments;
 use crate::terminal;
 
 /// Probes a scene and judges its physics.
-pub fn advise(arguments: &AdviseArguments) -> Exit {
+pub fn advise(arguments: &AdviseArguments, allowance: &Allowance) -> Exit {
     // Loading first shows every problem of the scene with its place.
-    let loaded = match granule::load_without_wish(&arguments.scene) {
+    let loaded = match granule::load_without_wish(&arguments.scene, allowance) {
         Ok(loaded) => loaded,
         Err(error) => {
             show_load_error(&error);

@@ -2,22 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
+use granule::Allowance;
+
 use super::{Exit, show_load_error};
 use crate::{terminal, text};
 
 /// Checks each scene; the exit code says whether all of them could run.
-pub fn check(scenes: &[PathBuf]) -> Exit {
+pub fn check(scenes: &[PathBuf], allowance: &Allowance) -> Exit {
     let mut exit = Exit::Success;
     for scene in scenes {
-        if !check_one(scene) {
+        if !check_one(scene, allowance) {
             exit = Exit::Input;
         }
     }
     exit
 }
 
-fn check_one(scene: &Path) -> bool {
-    match granule::load(scene) {
+fn check_one(scene: &Path, allowance: &Allowance) -> bool {
+    match granule::load_within(scene, allowance) {
         Ok(loaded) => {
             terminal::diagnostics(&loaded.source, &loaded.warnings);
             let plan = &loaded.plan;

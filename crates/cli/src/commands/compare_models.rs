@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use granule::Allowance;
 use granule::trade::{Model, ModelComparison, ModelOptions, TradeError, compare_models, models_json};
 
 use super::run::catch_signals;
@@ -14,9 +15,9 @@ use crate::args::CompareModelsArguments;
 use crate::terminal;
 
 /// Runs a scene in all ways and tells what each costs.
-pub fn compare(arguments: &CompareModelsArguments) -> Exit {
+pub fn compare(arguments: &CompareModelsArguments, allowance: &Allowance) -> Exit {
     // Loading first shows every problem of the scene with its place.
-    let loaded = match granule::load_without_wish(&arguments.scene) {
+    let loaded = match granule::load_without_wish(&arguments.scene, allowance) {
         Ok(loaded) => loaded,
         Err(error) => {
             show_load_error(&error);

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
+use granule::Allowance;
+
 use super::{Exit, show_load_error};
 use crate::terminal;
 
 /// Prints the plan of a scene.
-pub fn explain(scene: &Path) -> Exit {
-    match granule::load(scene) {
+pub fn explain(scene: &Path, allowance: &Allowance) -> Exit {
+    match granule::load_within(scene, allowance) {
         Ok(loaded) => {
             terminal::diagnostics(&loaded.source, &loaded.warnings);
             terminal::out(&granule::explain(&loaded.plan));

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use granule::Allowance;
 use granule::prelude::{ContactEnd, LawCheck};
 
 use super::{Exit, show_load_error};
@@ -10,8 +11,8 @@ use crate::terminal::{self, HEADING, styled};
 use crate::text;
 
 /// Prints requested and realised values for each pair of materials of a scene.
-pub fn check(scene: &Path, speed: Option<f64>) -> Exit {
-    let loaded = match granule::load(scene) {
+pub fn check(scene: &Path, speed: Option<f64>, allowance: &Allowance) -> Exit {
+    let loaded = match granule::load_within(scene, allowance) {
         Ok(loaded) => loaded,
         Err(error) => {
             show_load_error(&error);

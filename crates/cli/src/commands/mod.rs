@@ -26,6 +26,8 @@ pub enum Exit {
     Input = 1,
     /// The run failed, or a self-test did.
     Run = 3,
+    /// Stopped because its time was over.
+    OutOfTime = 4,
     /// Stopped by a signal.
     Interrupted = 130,
 }

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use granule::Allowance;
 use granule::prelude::{Counts, Ending, RunError, RunOptions, RunSummary, Source};
 use granule::trade::Choice;
 
@@ -12,8 +13,8 @@ use crate::args::RunArguments;
 use crate::{progress, terminal, text};
 
 /// Runs a scene.
-pub fn run(arguments: &RunArguments) -> Exit {
-    let loaded = match granule::load(&arguments.scene) {
+pub fn run(arguments: &RunArguments, allowance: &Allowance) -> Exit {
+    let loaded = match granule::load_within(&arguments.scene, allowance) {
         Ok(loaded) => loaded,
         Err(error) => {
             show_load_error(&error);
@@ -35,6 +36,7 @@ pub fn run(arguments: &RunArguments) -> Exit {
         force: arguments.force,
         progress: display.as_mut(),
         stop: &stop,
+        max_time: arguments.max_time,
     };
     let steps = loaded.plan.driver.steps;
     let choice = loaded.choice;
@@ -68,14 +70,18 @@ pub(super) fn catch_signals(stop: &Arc<AtomicBool>) -> Result<(), ctrlc::Error> 
 }
 
 fn finished(summary: &RunSummary, steps: u64, quiet: bool) -> Exit {
-    if summary.ending == Ending::Stopped {
+    if summary.ending != Ending::Completed {
+        let (why, exit) = match summary.ending {
+            Ending::OutOfTime => ("the time is over", Exit::OutOfTime),
+            _ => ("stopped", Exit::Interrupted),
+        };
         terminal::err(&format!(
-            "stopped at step {} of {steps}, t = {} s; the outputs in {} are whole up to there\n",
+            "{why} at step {} of {steps}, t = {} s; the outputs in {} are whole up to there\n",
             summary.steps,
             text::number(text::rounded(summary.time)),
             summary.directory.display()
         ));
-        return Exit::Interrupted;
+        return exit;
     }
     if !quiet {
         terminal::out(&report(summary));

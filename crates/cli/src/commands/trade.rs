@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use granule::Allowance;
 use granule::trade::{Options, Study, TradeError, Watch};
 
 use super::run::catch_signals;
@@ -14,9 +15,9 @@ use crate::args::TradeArguments;
 use crate::{progress, terminal, text};
 
 /// Trades the speed of a scene for accuracy.
-pub fn trade(arguments: &TradeArguments) -> Exit {
+pub fn trade(arguments: &TradeArguments, allowance: &Allowance) -> Exit {
     // Loading first shows every problem of the scene with its place.
-    let loaded = match granule::load_without_wish(&arguments.scene) {
+    let loaded = match granule::load_without_wish(&arguments.scene, allowance) {
         Ok(loaded) => loaded,
         Err(error) => {
             show_load_error(&error);

@@ -153,5 +153,6 @@ impl NeighbourGrid {
 /// cell number, so that a pair within reach never skips a cell.
 fn width(largest: f64, margin: f64) -> f64 {
     let reach = 2.0 * largest + margin;
-    if reach > 0.0 { reach * (1.0 + 1e-6) } else { f64::INFINITY }
+    // A denormal number does not grow by a quarter.
+    if reach > 0.0 { (reach * (1.0 + 1e-6)).max(f64::MIN_POSITIVE) } else { f64::INFINITY }
 }

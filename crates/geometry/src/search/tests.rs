@@ -105,6 +105,16 @@ fn points_without_reach_have_no_neighbours() {
 }
 
 #[test]
+fn denormal_reaches_end() {
+    let bodies = [[0.115, f64::NAN, 0.0, 0.0], [0.5, 0.5, 0.5, 0.0], [0.5, 0.5, 0.5, 5e-324]];
+    for periodic in [[false, false, true], [true; 3], [false; 3]] {
+        let cell = Cell::new([0.0; 3], [1.0; 3], periodic).unwrap();
+        let lists = by_grid(&mut NeighbourGrid::new(), &bodies, &cell, 5e-324);
+        assert_eq!(lists, by_force(&bodies, &cell, 5e-324));
+    }
+}
+
+#[test]
 fn outliers_and_numbers_out_of_range() {
     let mut bodies = bodies_in(3000, [0.0; 3], [1.0; 3], [0.03, 0.05], 5);
     bodies[17] = [1e12, -1e12, 3.0, 0.05];

@@ -140,6 +140,9 @@ fn radii(
             .error(span.clone(), format!("a fill of up to {count:.1e} bodies; at most {MOST} are possible"));
         return None;
     }
+    if !builder.affords(count, span) {
+        return None;
+    }
     if (0..axes).any(|axis| hi[axis] - lo[axis] < 2.0 * most) {
         builder.error(block.span.clone(), format!("the region is narrower than a body of radius {most} m"));
         return None;

@@ -40,7 +40,7 @@ pub fn bodies(builder: &mut Builder<'_>, block: &ImportBlock, index: usize, draf
         materials.push((kind.value, builder.material(name)));
     }
     let Some(shape) = shape else { return };
-    let path = builder.base.join(&block.file.value);
+    let Some(path) = builder.data_file(&block.file) else { return };
     let particles = match &block.format {
         ImportFormat::LammpsData => data(&path, shape).map_err(|error| error.to_string()),
         ImportFormat::LammpsDump { frame } => dump(&path, *frame),
@@ -114,6 +114,9 @@ pub fn bodies(builder: &mut Builder<'_>, block: &ImportBlock, index: usize, draf
         return;
     }
     let count = particles.len();
+    if !builder.affords(count as f64, &block.file.span) {
+        return;
+    }
     builder.decide_one("import", true, format!("{count} bodies from {}", block.file.value));
     // Each as large as a cache line or two: no copy is made of a million of them.
     drafts.reserve_exact(count);

@@ -57,6 +57,9 @@ pub fn bodies(
         builder.error(block.spacing.span.clone(), message);
         return Vec::new();
     }
+    if !builder.affords(estimate, &block.spacing.span) {
+        return Vec::new();
+    }
     let axes = axes(builder);
     let mut jitter = Random::new(builder.scene.seed, index, Purpose::Places);
     let mut thermal = Random::new(builder.scene.seed, index, Purpose::Velocities);

@@ -4,7 +4,7 @@ use granule_geometry::Surface;
 use granule_law_api::Span;
 use nalgebra::Vector3;
 
-use super::Setting;
+use super::{MOST_MEETINGS, Setting};
 use crate::bodies::Draft;
 use crate::model::Partner;
 
@@ -32,16 +32,27 @@ pub(crate) fn meetings(setting: &Setting<'_>) -> Vec<Meeting> {
         }
     }
     let mut meetings = Vec::new();
-    for (a, one) in groups.iter().enumerate() {
-        for (b, other) in groups.iter().enumerate().skip(a) {
-            meetings.extend(bodies_meet(setting, a, b, one, other));
+    let used: Vec<usize> = (0..groups.len()).filter(|group| !groups[*group].is_empty()).collect();
+    for (at, &a) in used.iter().enumerate() {
+        let one = &groups[a];
+        for &b in &used[at..] {
+            // The caller refuses more.
+            if meetings.len() > MOST_MEETINGS {
+                return meetings;
+            }
+            meetings.extend(bodies_meet(setting, a, b, one, &groups[b]));
         }
         let movable: Vec<&Draft> = one.iter().copied().filter(|body| !body.frozen).collect();
         if movable.is_empty() {
             continue;
         }
+        let of = |value: fn(&Draft) -> f64| span(movable.iter().map(|body| value(body)));
+        let none = Span::of(0.0);
+        let mass = of(|body| body.mass).unwrap_or(none);
+        let radius = of(|body| body.radius).unwrap_or(none);
+        let inertia_factor = of(|body| body.inertia_factor).unwrap_or(none);
         for wall in 0..setting.walls.len() {
-            meetings.push(wall_meets(setting, a, wall, &movable));
+            meetings.push(wall_meets(setting, a, wall, [mass, radius, inertia_factor]));
         }
     }
     meetings
@@ -107,24 +118,27 @@ fn many(one: &[&Draft], other: &[&Draft]) -> Option<(Span, Span)> {
     Some((inverse, Span { min: reduced(a.min, b.min), max: reduced(a.max, b.max) }))
 }
 
-fn wall_meets(setting: &Setting<'_>, material: usize, index: usize, movable: &[&Draft]) -> Meeting {
+/// A wall and the bodies of a material, whose masses, radii and inertia factors are known.
+fn wall_meets(
+    setting: &Setting<'_>,
+    material: usize,
+    index: usize,
+    [mass, radius, inertia_factor]: [Span; 3],
+) -> Meeting {
     let wall = &setting.walls[index];
     // The same everywhere on a plane or a cylinder.
     let curvature = match wall.wall.surface() {
         Surface::Plane(_) => f64::INFINITY,
         surface @ Surface::Cylinder(_) => surface.contact(Vector3::zeros()).curvature_radius,
     };
-    let of = |value: fn(&Draft) -> f64| span(movable.iter().map(|body| value(body)));
-    let none = Span::of(0.0);
-    let radius = of(|body| body.radius).unwrap_or(none);
     let at_wall = |radius: f64| 1.0 / (1.0 / radius + 1.0 / curvature);
     Meeting {
         material: material as u16,
         other: wall.material,
         partner: Partner::Wall(index as u16),
         example: format!("bodies of `{}` and wall `{}`", setting.materials[material].name, wall.name),
-        reduced_mass: of(|body| body.mass).unwrap_or(none),
+        reduced_mass: mass,
         reduced_radius: Span { min: at_wall(radius.min), max: at_wall(radius.max) },
-        inertia_factor: of(|body| body.inertia_factor).unwrap_or(none),
+        inertia_factor,
     }
 }
