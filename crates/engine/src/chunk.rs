@@ -6,6 +6,7 @@ use granule_law_api::{Arm, Columns, ContactChunk, EnergyColumns, Real, Stage};
 use granule_plan::Composition;
 use nalgebra::Vector3;
 
+use crate::blame;
 use crate::tally::Tally;
 
 /// Contacts per batch. A fraction of the largest chunk that laws must accept: the columns of a batch then stay in the
@@ -260,7 +261,7 @@ impl<T: Real> Batch<T> {
                     slipped: &mut slipped[..n],
                 }),
             };
-            stage.run(&mut chunk);
+            blame::run(plan.law.info.name, stage.as_ref(), &mut chunk);
             if let Some(tally) = tally.as_deref_mut() {
                 let sum =
                     |column: &Column<T>| column[..count].iter().fold(0.0, |sum, value| sum + value.wide());

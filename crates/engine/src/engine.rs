@@ -7,6 +7,7 @@ use granule_plan::{Dimensions, Plan, Scheme};
 use granule_state::{Bodies, BodyInput, InstructionSet, Layout};
 use nalgebra::Vector3;
 
+use crate::blame;
 use crate::error::EngineError;
 use crate::level::Level;
 use crate::lists::Lists;
@@ -120,7 +121,7 @@ impl Engine {
         };
         engine.check_finite(0.0)?;
         engine.update_lists(0.0)?;
-        engine.evaluate(0.0, 0.0, true);
+        blame::caught(|| engine.evaluate(0.0, 0.0, true)).map_err(|panic| panic.at(0, 0.0))?;
         engine.sweep(Sweep::Receive);
         if engine.plan.substrate.is_some() {
             engine.settle(0.0);
@@ -183,13 +184,15 @@ impl Engine {
     /// Does `steps` steps. `watch` is told each phase before it begins.
     ///
     /// # Errors
-    /// A number is no longer finite, or lists cannot be made. The state is then that of the failing step.
+    /// A number is no longer finite, a law panics, or lists cannot be made. The state is then that of the failing step.
     pub fn advance(&mut self, steps: u64, watch: &mut (dyn FnMut(Phase) + Send)) -> Result<(), EngineError> {
         // All steps run inside the pool, so that its threads stay awake between the phases of a step.
-        match self.pool.clone() {
+        let pool = self.pool.clone();
+        let result = blame::caught(|| match &pool {
             Some(pool) => pool.install(|| self.advance_here(steps, watch)),
             None => self.advance_here(steps, watch),
-        }
+        });
+        result.unwrap_or_else(|panic| Err(panic.at(self.step, self.time())))
     }
 
     fn advance_here(&mut self, steps: u64, watch: &mut (dyn FnMut(Phase) + Send)) -> Result<(), EngineError> {

@@ -14,6 +14,17 @@ pub enum EngineError {
         /// Simulated time \[s\].
         time: f64,
     },
+    /// A law panicked: a fault of the law, whatever the scene holds.
+    LawPanicked {
+        /// Its name in scenes.
+        law: &'static str,
+        /// What it said.
+        message: String,
+        /// Step in which it happened.
+        step: u64,
+        /// Simulated time \[s\].
+        time: f64,
+    },
     /// The periodic cell is too small for one image per pair, or candidates cannot be found.
     Search(String),
     /// What the event-driven engine says.
@@ -29,6 +40,11 @@ impl std::fmt::Display for EngineError {
                 f,
                 "the {quantity} of body {id} is not finite at step {step} (time {time:e} s): the time step is too \
                  large for the forces on it, or its input was not finite"
+            ),
+            Self::LawPanicked { law, message, step, time } => write!(
+                f,
+                "the law {law} panicked at step {step} (time {time:e} s): {message}; this is a fault of the law, to be \
+                 reported to its author"
             ),
             Self::Search(reason) => write!(f, "candidates cannot be found: {reason}"),
             Self::Events(reason) => f.write_str(reason),

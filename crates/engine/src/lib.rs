@@ -7,6 +7,7 @@
 //!
 //! There is no input or output, clock, environment or randomness in here.
 
+mod blame;
 mod chunk;
 mod dispatch;
 mod engine;
