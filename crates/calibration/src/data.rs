@@ -122,6 +122,9 @@ pub fn table(table: &Table) -> Result<Vec<Impact>, DataError> {
 
 fn impact(row: usize, psi1: f64, psi2: f64, restitution: Option<f64>) -> Result<Impact, DataError> {
     let at = |what: String| DataError::Row { row: row + 1, what };
+    if !(psi1.is_finite() && psi2.is_finite()) {
+        return Err(at(format!("psi1 {psi1} or psi2 {psi2} is no finite number")));
+    }
     if psi1 < 0.0 {
         return Err(at(format!("psi1 is {psi1}; it is not negative by definition")));
     }
@@ -158,6 +161,10 @@ mod tests {
             ("speed\n1\n", "`speed` has no meaning"),
             ("normal_speed,tangential_velocity\n1,1\n", "no column `rebound_normal_speed`"),
             ("psi1,psi2\n-1,1\n", "row 1 of the data: psi1 is -1"),
+            (
+                "normal_speed,tangential_velocity,rebound_normal_speed,rebound_tangential_velocity\n1e-300,1e300,1,1\n",
+                "psi1 inf or psi2",
+            ),
             ("psi1,psi2,restitution\n1,1,-0.5\n", "a restitution of -0.5"),
             (
                 "normal_speed,tangential_velocity,rebound_normal_speed,rebound_tangential_velocity,spin\n1,1,1,1,1\n",
