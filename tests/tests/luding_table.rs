@@ -36,9 +36,6 @@ fn every_row_names_a_file_and_a_test_that_exist() {
         }
         let [file] = quoted(place)[..] else { panic!("{row}: one file, not `{place}`") };
         assert!(root.join(file).is_file(), "{row}: there is no {file}");
-        if test == "none yet" {
-            continue;
-        }
         let [test] = quoted(test)[..] else { panic!("{row}: one test, not `{test}`") };
         let (file, function) = test.split_once("::").unwrap();
         let text = files::read(&root.join(file)).unwrap_or_else(|error| panic!("{row}: {error}"));
@@ -49,11 +46,4 @@ fn every_row_names_a_file_and_a_test_that_exist() {
         let above = before.rsplit("\n\n").next().unwrap_or_default();
         assert!(above.contains("#[test]"), "{row}: {function} is no test");
     }
-    let missing: Vec<&str> =
-        rows.iter().filter(|row| row[3] == "none yet").map(|row| row[0].as_str()).collect();
-    // A row leaves this list when it gets its test, and none may come.
-    assert_eq!(missing, MISSING);
 }
-
-/// Rows without a test.
-const MISSING: [&str; 2] = ["L71", "L74"];
