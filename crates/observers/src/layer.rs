@@ -92,7 +92,7 @@ impl Layer {
         self.rows.iter().map(|row| own(row[3])).sum::<f64>() / measure
     }
 
-    /// Granular temperature of the bodies of a kind, or of all: T = <(v - <v>)²>/D \[m²/s²\], with the mean velocity of the
+    /// Granular temperature of the bodies of a kind, or of all: `T = <(v - <v>)²>/D` \[m²/s²\], with the mean velocity of the
     /// same bodies. Spins do not count, nor in a plane layer velocities across it. 0 without such bodies.
     pub fn granular_temperature(&self, kind: Option<u16>) -> f64 {
         let dimensions = self.dimensions();

@@ -132,7 +132,10 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
         }
         let force = &chunk.normal_force[start..][..n];
         if self.friction == T::of(f64::INFINITY) {
-            limit.fill(self.friction);
+            // Where the normal force ends the contact, nothing holds the spring any more.
+            for k in 0..n {
+                limit[k] = if force[k] == T::ZERO { T::ZERO } else { self.friction };
+            }
         } else if self.repulsive {
             for k in 0..n {
                 limit[k] = self.friction * force[k].max(T::ZERO);
