@@ -135,23 +135,30 @@ fn tangential_restitution_of_the_spring() {
     }
 }
 
-/// The tangential restitution that is asked for is realised with dissipative normal laws under both ends of contact: the spring
-/// acts as long as the contact lasts, Luding 1998, Eqs. (55)-(57) with errata L-E5 and L-E6.
+/// The tangential restitution that is asked for is realised with dissipative normal laws under both ends of contact: tangential
+/// forces act as long as the normal force does, Luding 1998, Eqs. (49), (50) and (55)-(57) with errata L-E5 and L-E6.
 #[test]
 fn tangential_restitution_under_both_ends_of_contact() {
-    for (end, normal) in [("Force", 0.9), ("Force", 0.5), ("Overlap", 0.9), ("Overlap", 0.5)] {
-        let body = run(&format!(
-            r#"(version: 1, materials: {{ "a": (density: 2500) }},
-            bodies: [Sphere(material: "a", radius: 0.01, position: (0, 0, 0.01001), velocity: (0.1, 0, -1))],
-            walls: {{ "floor": Plane(point: (0, 0, 0), normal: (0, 0, 1), material: "a") }},
-            contacts: [(between: ("a", "a"), contact_end: {end},
-                normal: LinearSpringDashpot(stiffness: 1e8, restitution: {normal}),
-                tangential: TangentialSpring(tangential_restitution: 0.5, friction: inf))],
-            driver: TimeStep(integrator: ContactResolved, step: Auto(steps_per_contact: 800)), run: (duration: "200 us"))"#,
-        ))[0];
-        let slip = body.velocity[0] - 0.01 * body.spin[1];
-        // The arm is shorter by half of the overlap, 3e-4 of the radius; one step of 800 turns the slip by 3e-3 of its speed.
-        assert!((-slip / 0.1 - 0.5).abs() < 5e-3, "{end}, e_n = {normal}: e_t = {}", -slip / 0.1);
+    for (law, wanted) in [("TangentialSpring", 0.5), ("ViscousTangential", -0.4)] {
+        for normal in [
+            "LinearSpringDashpot(stiffness: 1e8, restitution: 0.9)",
+            "LinearSpringDashpot(stiffness: 1e8, restitution: 0.5)",
+            "WaltonBraun(loading_stiffness: 1e8, restitution: 0.7)",
+        ] {
+            for end in ["Force", "Overlap"] {
+                let body = run(&format!(
+                    r#"(version: 1, materials: {{ "a": (density: 2500) }},
+                    bodies: [Sphere(material: "a", radius: 0.01, position: (0, 0, 0.01001), velocity: (0.1, 0, -1))],
+                    walls: {{ "floor": Plane(point: (0, 0, 0), normal: (0, 0, 1), material: "a") }},
+                    contacts: [(between: ("a", "a"), contact_end: {end}, normal: {normal},
+                        tangential: {law}(tangential_restitution: {wanted}, friction: inf))],
+                    driver: TimeStep(integrator: ContactResolved, step: Auto(steps_per_contact: 800)), run: (duration: "400 us"))"#,
+                ))[0];
+                let slip = -(body.velocity[0] - 0.01 * body.spin[1]) / 0.1;
+                // The arm is shorter by half of the overlap, 3e-4 of the radius; one step of 800 turns the slip by 3e-3.
+                assert!((slip - wanted).abs() < 5e-3, "{normal}, {law}, {end}: {slip} for {wanted}");
+            }
+        }
     }
 }
 

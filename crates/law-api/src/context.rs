@@ -32,7 +32,8 @@ impl Span {
     }
 }
 
-/// How the duration t_c of a head-on contact depends on the pair. Tangential laws that promise a restitution need it.
+/// How the time t_c for which the normal force of a head-on contact acts depends on the pair. Tangential laws that promise a
+/// restitution need it: without a normal force nothing holds a tangential one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DurationRule {
     /// The same t_c \[s\] for every pair.
@@ -46,7 +47,7 @@ pub enum DurationRule {
 /// What the normal stage tells the later ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalSummary {
-    /// Duration of a contact under the chosen contact-end rule.
+    /// How long the normal force of a contact acts under the chosen contact-end rule.
     pub duration: DurationRule,
     /// Time scale of an impact at the largest speed expected, where the law knows it.
     pub scale: Option<TimeScale>,

@@ -95,7 +95,8 @@ impl ContactLaw for WaltonBraun {
         };
         let scale = Self::time_scale(params, pair, &impact).ok().flatten();
         let model = Model::new(params, pair).ok()?;
-        let duration = model.duration_factor(pair.contact_end).map_or(DurationRule::Unknown, |factor| {
+        // From the plastic overlap on the bodies no longer press on each other, whichever end of contact was chosen.
+        let duration = model.duration_factor(ContactEnd::Force).map_or(DurationRule::Unknown, |factor| {
             // What later stages see as normal stiffness is k_1.
             DurationRule::Oscillator(factor)
         });

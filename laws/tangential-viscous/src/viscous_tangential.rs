@@ -298,7 +298,8 @@ impl<T: Real, const DAMPING: u8, const LIMITED: bool> Stage<T> for Viscous<T, DA
             } else {
                 gamma
             };
-            factors[k] = -share.keep_if(overlap[k] > T::ZERO);
+            // Where the normal force ends the contact, nothing slips along anything any more.
+            factors[k] = -share.keep_if(overlap[k] > T::ZERO && (LIMITED || normal_force[k] != T::ZERO));
         }
         for (force, slip) in [(&mut *fx, vx), (&mut *fy, vy), (&mut *fz, vz)] {
             for k in 0..n {

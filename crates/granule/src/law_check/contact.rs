@@ -131,7 +131,10 @@ fn integrate(
             ContactEnd::Force => velocity[0] < 0.0 && acceleration[0] >= 0.0,
             ContactEnd::Overlap => overlap <= 0.0,
         };
-        if ended {
+        // A plastic contact pushes no more before its overlap ends, and what it held tangentially is let go.
+        let by_overlap = composition.contact_end == ContactEnd::Overlap;
+        let released = by_overlap && velocity[0] < 0.0 && before.2[0] < 0.0 && acceleration[0] == 0.0;
+        if ended || released {
             // Where in the step: by the state before, with the accelerations and the memory that it had.
             let at = |share: f64| {
                 let part = share * step;
@@ -143,19 +146,20 @@ fn integrate(
             for _ in 0..50 {
                 let middle = 0.5 * (low + high);
                 let (overlap, velocity) = at(middle);
-                let acts = match composition.contact_end {
-                    ContactEnd::Force => {
-                        overlap > 0.0 && contact.accelerations(overlap, velocity, mass, 0.0)[0] < 0.0
-                    }
-                    ContactEnd::Overlap => overlap > 0.0,
-                };
+                let acts = overlap > 0.0
+                    && (by_overlap && !released
+                        || contact.accelerations(overlap, velocity, mass, 0.0)[0] < 0.0);
                 if acts { low = middle } else { high = middle }
             }
-            let velocity = at(high).1;
-            outcome.duration = time - step + high * step;
-            outcome.restitution = -velocity[0] / impact.normal_speed;
-            outcome.tangential = -velocity[1] / (SLIP * impact.normal_speed);
-            break;
+            (overlap, velocity) = at(high);
+            time -= (1.0 - high) * step;
+            if !released {
+                outcome.duration = time;
+                outcome.restitution = -velocity[0] / impact.normal_speed;
+                outcome.tangential = -velocity[1] / (SLIP * impact.normal_speed);
+                break;
+            }
+            acceleration = contact.accelerations(overlap, velocity, mass, 0.0);
         }
     }
     outcome
