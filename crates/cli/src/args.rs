@@ -91,6 +91,8 @@ fn time(text: &str) -> Result<Duration, String> {
 pub enum Command {
     /// Run a scene and write its outputs
     Run(RunArguments),
+    /// Continue a run that was stopped, killed or has failed, from its last checkpoint
+    Resume(ResumeArguments),
     /// Say what a run would include, what it leaves out, and why
     Explain {
         /// Scene file
@@ -197,6 +199,27 @@ pub struct RunArguments {
     #[arg(long, value_name = "TIME", value_parser = time, help_heading = "Bounds")]
     pub max_time: Option<Duration>,
 }
+
+/// `granule resume`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = RESUME_HELP)]
+pub struct ResumeArguments {
+    /// Output folder of the run
+    pub directory: PathBuf,
+    /// Worker threads; results do not depend on it [default: what the scene says, else all cores]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub threads: Option<u16>,
+    /// Show no progress and no summary
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// End the run after so much time on the clock, as in "90 s" or "2 h": it can then be continued again
+    #[arg(long, value_name = "TIME", value_parser = time, help_heading = "Bounds")]
+    pub max_time: Option<Duration>,
+}
+
+const RESUME_HELP: &str = "\
+Outputs go on where the checkpoint was made; what was written later is replaced. Files and result hash are in the end those
+of a run that was never interrupted, byte for byte. A checkpoint that is damaged is passed over for the one before.";
 
 /// `granule selftest`.
 #[derive(Debug, clap::Args)]

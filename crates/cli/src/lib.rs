@@ -19,6 +19,7 @@ pub fn main() -> ExitCode {
     let allowance = arguments.bounds.allowance();
     let exit = match arguments.command {
         Command::Run(arguments) => commands::run::run(&arguments, &allowance),
+        Command::Resume(arguments) => commands::resume::resume(&arguments, &allowance),
         Command::Explain { scene } => commands::explain::explain(&scene, &allowance),
         Command::Check { scenes } => commands::check::check(&scenes, &allowance),
         Command::Trade(arguments) => commands::trade::trade(&arguments, &allowance),

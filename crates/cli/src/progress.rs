@@ -62,6 +62,13 @@ impl Progress for Bar {
         self.bar = Some(bar);
     }
 
+    fn warn(&mut self, message: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| terminal::err(&format!("{message}\n"))),
+            None => terminal::err(&format!("{message}\n")),
+        }
+    }
+
     fn advance(&mut self, status: &Status) {
         if self.last.is_some_and(|last| last.elapsed() < DRAW_INTERVAL) {
             return;
@@ -118,6 +125,10 @@ impl Progress for Lines {
             text::short(status.particle_steps_per_second),
             left(status)
         ));
+    }
+
+    fn warn(&mut self, message: &str) {
+        terminal::err(&format!("{message}\n"));
     }
 
     fn end(&mut self, _status: &Status) {}

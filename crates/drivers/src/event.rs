@@ -10,7 +10,7 @@ use granule_plan::{Dimensions, Partner, Plan};
 use granule_state::{Bodies, Layout};
 
 use crate::view::Snapshot;
-use crate::{Advance, Driver, Timings, View};
+use crate::{Advance, Driver, DriverState, Timings, View};
 
 /// Events between two looks at the stop flag: some milliseconds.
 const STRIDE: u64 = 10_000;
@@ -89,6 +89,10 @@ impl Driver for EventDriver {
 
     fn view(&self) -> View<'_> {
         View::of_events(&self.plan, self.step, self.time, self.snapshot())
+    }
+
+    fn save(&self) -> Option<DriverState<'_>> {
+        None
     }
 
     fn timings(&self) -> Timings {

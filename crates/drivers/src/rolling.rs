@@ -10,7 +10,7 @@ use granule_plan::{Plan, Slides};
 
 use crate::event::{bodies, failed, setup, work};
 use crate::view::Snapshot;
-use crate::{Advance, Driver, Timings, View};
+use crate::{Advance, Driver, DriverState, Timings, View};
 
 /// Events between two looks at the stop flag: some milliseconds.
 const STRIDE: u64 = 10_000;
@@ -112,6 +112,10 @@ impl Driver for RollingDriver {
 
     fn view(&self) -> View<'_> {
         View::of_events(&self.plan, self.step, self.time, self.snapshot())
+    }
+
+    fn save(&self) -> Option<DriverState<'_>> {
+        None
     }
 
     fn timings(&self) -> Timings {

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use granule_engine::{Engine, EngineError, Phase};
+use granule_engine::{Engine, EngineError, EngineState, Phase};
 use granule_plan::Plan;
 
-use crate::{Advance, Driver, Timings, View};
+use crate::{Advance, Driver, DriverState, Timings, View};
 
 /// Advances an [`Engine`] in fixed time steps.
 pub struct TimeStepDriver {
@@ -23,15 +23,37 @@ impl TimeStepDriver {
     /// # Errors
     /// See [`EngineError`].
     pub fn new(plan: Arc<Plan>, threads: Option<usize>) -> Result<Self, EngineError> {
-        let available = std::thread::available_parallelism().map_or(1, usize::from);
-        let threads = threads.or(plan.driver.threads).unwrap_or(available);
-        Ok(Self { engine: Engine::new(plan, threads)?, timings: Timings::default(), stride: 1 })
+        let threads = workers(&plan, threads);
+        Ok(Self::of(Engine::new(plan, threads)?))
+    }
+
+    /// Goes on from a saved state.
+    ///
+    /// # Errors
+    /// [`EngineError::Saved`]: the state does not fit the plan.
+    pub fn restore(
+        plan: Arc<Plan>,
+        threads: Option<usize>,
+        state: EngineState<'_>,
+    ) -> Result<Self, EngineError> {
+        let threads = workers(&plan, threads);
+        Ok(Self::of(Engine::restore(plan, threads, state)?))
+    }
+
+    fn of(engine: Engine) -> Self {
+        Self { engine, timings: Timings::default(), stride: 1 }
     }
 
     /// The engine, for tests and benchmarks.
     pub fn engine(&self) -> &Engine {
         &self.engine
     }
+}
+
+/// Worker threads: those asked for, else those of the plan, else as many as the machine has.
+fn workers(plan: &Plan, threads: Option<usize>) -> usize {
+    let available = std::thread::available_parallelism().map_or(1, usize::from);
+    threads.or(plan.driver.threads).unwrap_or(available)
 }
 
 impl Driver for TimeStepDriver {
@@ -81,6 +103,10 @@ impl Driver for TimeStepDriver {
 
     fn view(&self) -> View<'_> {
         View::new(&self.engine)
+    }
+
+    fn save(&self) -> Option<DriverState<'_>> {
+        Some(DriverState::Steps(self.engine.save()))
     }
 
     fn timings(&self) -> Timings {

@@ -1,5 +1,6 @@
 //! The engine: steps a plan's bodies forward.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use granule_integrators::{Integrator, Pass, integrator};
@@ -12,6 +13,7 @@ use crate::error::EngineError;
 use crate::level::Level;
 use crate::lists::Lists;
 use crate::resolve::StepRows;
+use crate::saved::EngineState;
 use crate::slices::{Rows, sweep, visit};
 use crate::substrate::{self, SubstrateTally};
 use crate::tally::{ContactPartner, ContactRecord, Tally, Work};
@@ -82,6 +84,63 @@ impl Engine {
         threads: usize,
         instructions: InstructionSet,
     ) -> Result<Self, EngineError> {
+        let mut engine = Self::before_forces(plan, threads, instructions)?;
+        engine.check_finite(0.0)?;
+        engine.update_lists(0.0)?;
+        blame::caught(|| engine.evaluate(0.0, 0.0, true)).map_err(|panic| panic.at(0, 0.0))?;
+        engine.sweep(Sweep::Receive);
+        if engine.plan.substrate.is_some() {
+            engine.settle(0.0);
+        }
+        engine.bodies.remember_accelerations();
+        engine.check_finite(f64::NAN)?;
+        Ok(engine)
+    }
+
+    /// Goes on from a saved state, as if there had been no pause: the bits are those of the engine that was saved. The plan
+    /// must be the one that the state was saved under; the number of threads is free.
+    ///
+    /// # Errors
+    /// [`EngineError::Saved`]: the state does not fit the plan.
+    pub fn restore(plan: Arc<Plan>, threads: usize, state: EngineState<'_>) -> Result<Self, EngineError> {
+        let mut engine = Self::before_forces(plan, threads, InstructionSet::detect())?;
+        crate::saved::check_bodies(&engine.bodies, &state.bodies)?;
+        state.check(&engine.plan)?;
+        let last = state.evaluation.wrapping_sub(1);
+        engine.lists.restore(&engine.plan, engine.bodies.len(), &state.lists, last)?;
+        engine.bodies = state.bodies.into_owned();
+        engine.step = state.step;
+        engine.evaluation = state.evaluation;
+        engine.force_time = state.force_time;
+        engine.moved = state.moved;
+        engine.tally = state.tally;
+        engine.work = state.work;
+        engine.substrate = state.substrate;
+        move_walls(&mut engine.walls, &engine.plan, engine.force_time);
+        Ok(engine)
+    }
+
+    /// The state after the last step, for [`restore`](Self::restore).
+    pub fn save(&self) -> EngineState<'_> {
+        EngineState {
+            bodies: Cow::Borrowed(&self.bodies),
+            lists: self.lists.save(self.evaluation.wrapping_sub(1)),
+            step: self.step,
+            evaluation: self.evaluation,
+            force_time: self.force_time,
+            moved: self.moved,
+            tally: self.tally.clone(),
+            work: self.work.clone(),
+            substrate: self.substrate,
+        }
+    }
+
+    /// Bodies at the start, without lists and forces.
+    fn before_forces(
+        plan: Arc<Plan>,
+        threads: usize,
+        instructions: InstructionSet,
+    ) -> Result<Self, EngineError> {
         let integrator = scheme(plan.driver.scheme);
         let planar = plan.dimensions == Dimensions::Two;
         let layout = Layout {
@@ -102,7 +161,7 @@ impl Engine {
         } else {
             None
         };
-        let mut engine = Self {
+        Ok(Self {
             level: Level::new(&plan, planar, threads, instructions)?,
             lists: Lists::new(&plan, &bodies, size),
             tally: Tally::new(plan.walls.len()),
@@ -118,17 +177,7 @@ impl Engine {
             walls: Vec::new(),
             work: Work::default(),
             substrate: SubstrateTally::default(),
-        };
-        engine.check_finite(0.0)?;
-        engine.update_lists(0.0)?;
-        blame::caught(|| engine.evaluate(0.0, 0.0, true)).map_err(|panic| panic.at(0, 0.0))?;
-        engine.sweep(Sweep::Receive);
-        if engine.plan.substrate.is_some() {
-            engine.settle(0.0);
-        }
-        engine.bodies.remember_accelerations();
-        engine.check_finite(f64::NAN)?;
-        Ok(engine)
+        })
     }
 
     /// The plan that runs.
@@ -267,6 +316,12 @@ impl Engine {
             self.settle(self.plan.driver.step);
             return if kind == Sweep::FinishBegin { self.pass(Sweep::Begin) } else { Ok(()) };
         }
+        if kind == Sweep::FinishBegin && self.integrator.force_time() < 1.0 {
+            // Bodies move at both ends of a step. How far they have moved since the lists were made must not depend on
+            // whether somebody looks in between.
+            self.pass(Sweep::Finish)?;
+            return self.pass(Sweep::Begin);
+        }
         self.pass(kind)
     }
 
@@ -311,6 +366,7 @@ impl Engine {
 
     fn update_lists(&mut self, time: f64) -> Result<(), EngineError> {
         let walls_moved = self.wall_travel(time);
+        self.lists.count_step();
         let Self { bodies, lists, plan, pool, evaluation, walls, moved, .. } = self;
         lists.travel(walls_moved);
         *moved += walls_moved;

@@ -29,6 +29,8 @@ pub enum EngineError {
     Search(String),
     /// What the event-driven engine says.
     Events(String),
+    /// A saved state does not fit the plan; the part that does not.
+    Saved(&'static str),
     /// Worker threads could not be started.
     Threads(String),
 }
@@ -48,6 +50,9 @@ impl std::fmt::Display for EngineError {
             ),
             Self::Search(reason) => write!(f, "candidates cannot be found: {reason}"),
             Self::Events(reason) => f.write_str(reason),
+            Self::Saved(what) => {
+                write!(f, "the saved state does not fit the scene, or is damaged: {what}")
+            }
             Self::Threads(reason) => write!(f, "worker threads cannot be started: {reason}"),
         }
     }

@@ -20,20 +20,20 @@ pub(crate) struct Lists {
     pub shifts: [[f64; 3]; IMAGE_CODES],
     /// The same as rows, as many as codes could be written in their bits.
     pub shift_rows: [Row; 32],
-    rebuild: Rebuild,
+    pub(crate) rebuild: Rebuild,
     /// Part of the skin for which a periodic cell must have room.
     margin: f64,
-    skin: f64,
-    inner_skin: f64,
+    pub(crate) skin: f64,
+    pub(crate) inner_skin: f64,
     /// Bound of what any body (or wall) has moved since the outer list was made \[m\].
-    travelled_outer: f64,
+    pub(crate) travelled_outer: f64,
     /// The same since the inner list was pruned \[m\].
-    travelled_inner: f64,
-    steps_since_prune: u32,
+    pub(crate) travelled_inner: f64,
+    pub(crate) steps_since_prune: u32,
     largest_radius: f64,
     /// Largest distance beyond touching at which a law acts \[m\].
     reach: f64,
-    history_width: usize,
+    pub(crate) history_width: usize,
     spares: Vec<Mutex<Spare>>,
     /// Candidates of the tile that has most.
     most: usize,
@@ -83,6 +83,11 @@ impl Lists {
         let distance = distance * (1.0 + 1e-9);
         self.travelled_outer += distance;
         self.travelled_inner += distance;
+    }
+
+    /// Counts a step towards the choice of the inner skin. Once a step, however the integration is split into passes: the
+    /// choice must not depend on who looks at the run.
+    pub fn count_step(&mut self) {
         self.steps_since_prune += 1;
     }
 
@@ -128,6 +133,13 @@ impl Lists {
         self.rebuild.fill(&mut self.tiles, what, &self.shifts, &reach, carried, parallel);
         // Tiles and threads exchange buffers when they prune: with room for the most candidates in each, no pruning until
         // the next rebuild allocates.
+        self.make_room(plan);
+        self.travelled_outer = 0.0;
+        self.rebuilds += 1;
+        Ok(())
+    }
+
+    pub(crate) fn make_room(&mut self, plan: &Plan) {
         self.most = self.tiles.iter().map(|tile| tile.outer.len()).max().unwrap_or(0);
         for tile in &mut self.tiles {
             tile.inner.reserve(self.most.saturating_sub(tile.inner.len()));
@@ -139,15 +151,12 @@ impl Lists {
                 tile.impulses.reserve((tile.len / 4).saturating_sub(tile.impulses.len()));
             }
         }
-        self.travelled_outer = 0.0;
-        self.rebuilds += 1;
-        Ok(())
     }
 
     /// Makes the inner lists from the outer ones, and the routes of forces between tiles.
     pub fn prune(&mut self, bodies: &Bodies, last: u32, parallel: bool) {
         self.adapt_inner_skin();
-        let (margin, shifts, size) = (self.inner_skin, &self.shifts, self.tile_size);
+        let (margin, shifts) = (self.inner_skin, &self.shifts);
         let reach = self.reach;
         let threads = if parallel { rayon::current_num_threads() } else { 1 };
         self.spares.resize_with(threads.max(self.spares.len()), Default::default);
@@ -164,13 +173,22 @@ impl Lists {
             let mut spare = spares[thread].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             prune_tile(tile, &mut spare, bodies, shifts, reach + margin, last);
         });
+        self.route(bodies.len());
+        self.travelled_inner = 0.0;
+        self.steps_since_prune = 0;
+        self.prunes += 1;
+    }
+
+    /// Lists as the force loop reads them, and the routes of forces between tiles.
+    pub(crate) fn route(&mut self, bodies: usize) {
+        let size = self.tile_size;
         for index in 0..self.tiles.len() {
             self.tiles[index].inbox.clear();
         }
         for index in 0..self.tiles.len() {
             let (first, len) = (self.tiles[index].first, self.tiles[index].len);
             let mut slot = 0;
-            self.tiles[index].list.clear(first, len, bodies.len());
+            self.tiles[index].list.clear(first, len, bodies);
             for at in 0..self.tiles[index].inner.len() {
                 let pair = self.tiles[index].inner[at];
                 let j = pair.j as usize;
@@ -196,18 +214,15 @@ impl Lists {
             }
             outbox.resize(slot, Outgoing::default());
         }
-        self.travelled_inner = 0.0;
-        self.steps_since_prune = 0;
-        self.prunes += 1;
     }
 
     /// A thin inner skin makes short lists, a thick one rare pruning. The choice depends on the motion alone, so it is
     /// the same for any number of threads.
     fn adapt_inner_skin(&mut self) {
         if self.travelled_inner.is_finite() {
-            if self.steps_since_prune < 10 {
+            if self.steps_since_prune < 5 {
                 self.inner_skin = (self.inner_skin * 2.0).min(self.skin);
-            } else if self.steps_since_prune > 80 {
+            } else if self.steps_since_prune > 40 {
                 self.inner_skin = (self.inner_skin * 0.5).max(self.skin / 64.0);
             }
         }

@@ -27,7 +27,7 @@ pub(crate) struct Rebuild {
     /// Where the bodies were when the old lists were made, by their place now; empty if they have not been moved.
     order: Vec<u32>,
     /// Bound of what any body has moved since the bodies were sorted \[m\].
-    travelled: f64,
+    pub(crate) travelled: f64,
     /// Composition of two materials, by `i * materials + j`.
     pair_class: Vec<Option<u32>>,
     /// Composition of a material with a wall, by `material * walls + wall`.
@@ -84,7 +84,7 @@ impl Rebuild {
                 let (wrapped, crossed) = plan.cell.wrap(row.vector());
                 *row = Row::new(wrapped, row[3]);
                 for axis in 0..3 {
-                    image[axis] += crossed[axis];
+                    image[axis] = image[axis].saturating_add(crossed[axis]);
                 }
             }
         };

@@ -57,7 +57,7 @@ impl Impulse {
 }
 
 /// Energies that a contact loses \[J\] beyond what the trapezoid says, by slot.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Losses {
     /// By viscous (or plastic) dissipation.
     pub viscous: [f64; Slot::ALL.len()],

@@ -11,6 +11,7 @@ use granule_plan::SubstratePlan;
 use granule_state::{Bodies, Row, SurfaceRow};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Bodies that a thread works on at a time; it must not depend on the number of threads.
 const PART: usize = 512;
@@ -20,7 +21,7 @@ const BLOCK: usize = 64;
 const CLEARANCE: f64 = 1e-6;
 
 /// Work and dissipation of the substrate since the start \[J\].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SubstrateWork {
     /// Dissipated by slip.
     pub sliding: f64,
@@ -45,7 +46,7 @@ impl SubstrateWork {
 }
 
 /// What the bodies do on the substrate.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SubstrateTally {
     /// Bodies that slip now.
     pub sliding: u64,

@@ -1,11 +1,12 @@
 //! Sums over contacts, in a fixed order.
 
 use granule_law_api::Slot;
+use serde::{Deserialize, Serialize};
 
 use crate::resolve::Losses;
 
 /// Sums over all contacts of one force evaluation. Partial sums of tiles are added in the order of the tiles.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     /// Body-body contacts.
     pub contacts: u64,
@@ -92,7 +93,7 @@ pub(crate) struct Powers {
 
 /// Work and dissipation since the start of the run, integrated with the trapezoidal rule over the steps; what
 /// springs lose by sliding within a step is added as it is.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Work {
     /// Viscous (or plastic) dissipation \[J\] by slot.
     pub viscous: [f64; Slot::ALL.len()],

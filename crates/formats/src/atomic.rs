@@ -159,6 +159,11 @@ impl GrowingFile {
         }
     }
 
+    /// Bytes of all whole records.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
     /// Waits until everything is on the disk.
     ///
     /// # Errors
@@ -170,6 +175,32 @@ impl GrowingFile {
     /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+}
+
+/// Compares the beginning of a file that is to be continued at `length` with what it must be, and looks whether a line ends
+/// there.
+pub(crate) fn continued(path: &Path, head: &[u8], length: u64) -> Result<(), FormatError> {
+    let read = || {
+        let mut file = File::open(path)?;
+        let mut begin = vec![0; head.len()];
+        let (mut same, mut last) = (false, [0]);
+        if length >= head.len() as u64 && file.metadata()?.len() >= length {
+            file.read_exact(&mut begin)?;
+            same = begin == head;
+            file.seek(SeekFrom::Start(length.saturating_sub(1)))?;
+            file.read_exact(&mut last)?;
+        }
+        Ok(same && last == *b"\n")
+    };
+    match read().map_err(FormatError::io(path, "read"))? {
+        true => Ok(()),
+        false => {
+            let problem = format!(
+                "it is not what this run has written: a file of at least {length} bytes with another beginning"
+            );
+            Err(FormatError::refused(path, problem))
+        }
     }
 }
 

@@ -42,6 +42,13 @@ pub enum FormatError {
         /// The value.
         value: f64,
     },
+    /// A file that must be whole is damaged, or not of the expected kind.
+    Refused {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The values do not fit the format.
     Unwritable {
         /// The file.
@@ -55,6 +62,10 @@ impl FormatError {
     pub(crate) fn io(file: &Path, action: &'static str) -> impl FnOnce(io::Error) -> FormatError {
         let file = file.to_path_buf();
         move |source| FormatError::Io { file, action, source }
+    }
+
+    pub(crate) fn refused(file: &Path, problem: impl Into<String>) -> FormatError {
+        FormatError::Refused { file: file.to_path_buf(), problem: problem.into() }
     }
 
     pub(crate) fn unwritable(file: &Path, problem: impl Into<String>) -> FormatError {
@@ -96,6 +107,9 @@ impl fmt::Display for FormatError {
             }
             FormatError::NonFinite { body, quantity, value } => {
                 write!(f, "{quantity} of body {body} is {value}: only finite values can be written")
+            }
+            FormatError::Refused { file, problem } => {
+                write!(f, "`{}` cannot be used: {problem}", file.display())
             }
             FormatError::Unwritable { file, problem } => {
                 write!(f, "cannot write `{}`: {problem}", file.display())

@@ -9,6 +9,7 @@
 //! | [`vtk`] | VTK `.vtp` poly data with a `.pvd` collection | write (`.pvd` also read) |
 //! | [`csv`] | tables of numbers, and time series that grow | read, write |
 //! | [`atomic`] | a file that is either whole or absent, and a file that grows record by record | write |
+//! | [`checkpoint`] | bytes with layout and checksum | read, write |
 //!
 //! Every output carries a [`Provenance`]. Every number survives a round trip bit by bit: text is the shortest decimal
 //! that reads back to the same double, which is at most 17 significant digits.
@@ -16,6 +17,7 @@
 //! A [`FormatError`] names the file, the line, the column where there is one, the offending text and what is allowed.
 
 pub mod atomic;
+pub mod checkpoint;
 pub mod csv;
 mod error;
 pub mod lammps_data;

@@ -35,11 +35,13 @@
 //! names each once: `use my_law as _;`.
 
 mod calibrate;
+mod checkpoint;
 mod directory;
 mod law_check;
 mod load;
 mod progress;
 mod record;
+mod resume;
 mod run;
 mod selftest;
 
@@ -53,6 +55,7 @@ pub use load::{
     LoadError, Loaded, Source, laws, load, load_text, load_within, load_without_wish, measured_again,
 };
 pub use progress::{Outlook, Progress, Silent, Status};
+pub use resume::{ResumeError, ResumeOptions, resume};
 pub use run::{Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};
 pub use selftest::{SelftestResult, selftest, selftest_names};
 

@@ -150,6 +150,18 @@ pub fn load_text(path: &Path, text: String) -> Result<Loaded, LoadError> {
     text_within(path, text, &Allowance::UNBOUNDED)
 }
 
+/// The same for a scene that somebody else wrote.
+///
+/// # Errors
+/// As for [`load`].
+pub(crate) fn load_text_within(
+    path: &Path,
+    text: String,
+    allowance: &Allowance,
+) -> Result<Loaded, LoadError> {
+    text_within(path, text, allowance)
+}
+
 fn text_within(path: &Path, text: String, allowance: &Allowance) -> Result<Loaded, LoadError> {
     let registry = laws().map_err(LoadError::Registry)?;
     let source = Source { path: path.to_path_buf(), text };

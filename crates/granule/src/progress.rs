@@ -41,6 +41,8 @@ pub trait Progress {
     fn begin(&mut self, outlook: &Outlook<'_>);
     /// Now and then.
     fn advance(&mut self, status: &Status);
+    /// Something that the user should know.
+    fn warn(&mut self, _message: &str) {}
     /// After the last step, however the run ended.
     fn end(&mut self, status: &Status);
 }

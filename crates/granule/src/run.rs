@@ -10,6 +10,7 @@ use granule_formats::Provenance;
 use granule_observers::{Energy, MANIFEST, ObserveError, Observers};
 use granule_plan::Plan;
 
+use crate::checkpoint::{KeepError, Keeper};
 use crate::directory::{self, DirectoryError, default_directory};
 use crate::load::{LoadError, Loaded, Source, load};
 use crate::progress::{Outlook, Progress, Status};
@@ -78,8 +79,10 @@ impl EnergyDrift {
 pub struct RunSummary {
     /// How it ended.
     pub ending: Ending,
-    /// Steps done.
+    /// Steps done, with those before an interruption.
     pub steps: u64,
+    /// Steps of the whole run.
+    pub planned: u64,
     /// Simulated time \[s\].
     pub time: f64,
     /// Wall-clock time of the steps and outputs.
@@ -98,6 +101,8 @@ pub struct RunSummary {
     pub directory: PathBuf,
     /// The files that were written, the manifest last.
     pub outputs: Vec<PathBuf>,
+    /// The checkpoint from which a run that has ended early can be continued; `None` where there is none.
+    pub checkpoint: Option<PathBuf>,
 }
 
 /// Why a run failed.
@@ -118,6 +123,8 @@ pub enum RunError {
     Output(ObserveError),
     /// The manifest cannot be written.
     Manifest(String),
+    /// A checkpoint cannot be written. Earlier ones are as they were.
+    Checkpoint(String),
 }
 
 impl std::fmt::Display for RunError {
@@ -128,6 +135,7 @@ impl std::fmt::Display for RunError {
             Self::Engine { error, .. } => error.fmt(f),
             Self::Output(error) => error.fmt(f),
             Self::Manifest(reason) => write!(f, "the manifest cannot be written: {reason}"),
+            Self::Checkpoint(reason) => write!(f, "no checkpoint can be written: {reason}"),
         }
     }
 }
@@ -139,7 +147,7 @@ impl std::error::Error for RunError {
             Self::Directory(error) => Some(error),
             Self::Engine { error, .. } => Some(error),
             Self::Output(error) => Some(error),
-            Self::Manifest(_) => None,
+            Self::Manifest(_) | Self::Checkpoint(_) => None,
         }
     }
 }
@@ -170,27 +178,22 @@ pub fn run_plan(
     directory: &Path,
     options: RunOptions<'_>,
 ) -> Result<RunSummary, RunError> {
-    let started = SystemTime::now();
-    let created = started.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let created = created();
     let provenance = Provenance::new(VERSION, &plan.fingerprint, created).map_err(RunError::Manifest)?;
     let observers = Observers::from_plan(&plan, directory, &provenance)?;
-    directory::prepare(directory, &plan, options.force).map_err(RunError::Directory)?;
+    let lock = directory::prepare(directory, &plan, options.force).map_err(RunError::Directory)?;
     let plan = Arc::new(plan);
     let engine = |error| RunError::Engine { error, directory: directory.to_path_buf() };
     let driver = granule_drivers::driver(Arc::clone(&plan), options.threads).map_err(engine)?;
-    let recorder = Recorder::new(&plan, source, directory, started);
-    let mut run = Run {
-        bodies: plan.bodies.len(),
-        plan,
-        driver,
-        observers,
-        recorder,
-        output_time: Duration::ZERO,
-        output_calls: 0,
-        begin: Instant::now(),
-    };
-    run.record("running", None)?;
-    run.go(directory, options.progress, &Limits { stop: options.stop, max_time: options.max_time })
+    let mut run = Run::new(plan, driver, observers, source, directory, created, lock);
+    run.begin(options.progress, options.stop, options.max_time)
+}
+
+/// The moment that outputs carry: now, or that of `SOURCE_DATE_EPOCH`, with which two runs write the same files to the last
+/// byte.
+fn created() -> u64 {
+    let given = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.trim().parse().ok());
+    given.unwrap_or_else(|| SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()))
 }
 
 /// What ends a run early.
@@ -200,24 +203,91 @@ struct Limits<'a> {
 }
 
 /// A run under way.
-struct Run {
+pub(crate) struct Run {
     plan: Arc<Plan>,
     bodies: usize,
     driver: Box<dyn Driver>,
     observers: Observers,
     recorder: Recorder,
+    keeper: Option<Keeper>,
+    directory: PathBuf,
+    /// The last checkpoint that was written.
+    kept: Option<PathBuf>,
+    /// Step at which this part of the run begins.
+    first: u64,
     output_time: Duration,
     output_calls: u64,
     begin: Instant,
+    /// Nobody else writes into the folder.
+    _lock: directory::Lock,
 }
 
 impl Run {
+    pub(crate) fn new(
+        plan: Arc<Plan>,
+        driver: Box<dyn Driver>,
+        observers: Observers,
+        source: Option<&Source>,
+        directory: &Path,
+        created: u64,
+        lock: directory::Lock,
+    ) -> Self {
+        // Without its scene, a run cannot be planned again.
+        let keeper = plan
+            .checkpoint
+            .zip(source)
+            .map(|(plan_of, source)| Keeper::new(plan_of, directory, source, &plan.fingerprint, created));
+        Self {
+            bodies: plan.bodies.len(),
+            recorder: Recorder::new(&plan, source, directory, SystemTime::now()),
+            keeper,
+            directory: directory.to_path_buf(),
+            kept: None,
+            first: driver.step(),
+            plan,
+            driver,
+            observers,
+            output_time: Duration::ZERO,
+            output_calls: 0,
+            begin: Instant::now(),
+            _lock: lock,
+        }
+    }
+
+    /// Runs from the start.
+    pub(crate) fn begin(
+        &mut self,
+        progress: &mut dyn Progress,
+        stop: &AtomicBool,
+        max_time: Option<Duration>,
+    ) -> Result<RunSummary, RunError> {
+        let energy = self.plan.ledger.then(|| Energy::of(&self.driver.view()));
+        self.go(energy, true, progress, &Limits { stop, max_time })
+    }
+
+    /// Goes on from where driver and observers are.
+    pub(crate) fn go_on(
+        &mut self,
+        start_energy: Option<Energy>,
+        progress: &mut dyn Progress,
+        stop: &AtomicBool,
+        max_time: Option<Duration>,
+    ) -> Result<RunSummary, RunError> {
+        self.go(start_energy, false, progress, &Limits { stop, max_time })
+    }
+
     fn go(
         &mut self,
-        directory: &Path,
+        start_energy: Option<Energy>,
+        fresh: bool,
         progress: &mut dyn Progress,
         limits: &Limits<'_>,
     ) -> Result<RunSummary, RunError> {
+        self.record("running", None)?;
+        if let Some(keeper) = &mut self.keeper {
+            keeper.start(start_energy, (!fresh).then_some(self.first));
+        }
+        let directory = self.directory.clone();
         let steps = self.plan.driver.steps;
         progress.begin(&Outlook {
             title: &self.plan.title,
@@ -225,11 +295,10 @@ impl Run {
             steps,
             duration: steps as f64 * self.plan.driver.step,
             threads: self.driver.threads(),
-            directory,
+            directory: &directory,
         });
         self.begin = Instant::now();
-        let start_energy = self.plan.ledger.then(|| Energy::of(&self.driver.view()));
-        let result = self.steps(progress, limits);
+        let result = self.steps(fresh, progress, limits);
         progress.end(&self.status());
         let ending = match result {
             Ok(ending) => ending,
@@ -238,8 +307,9 @@ impl Run {
                 let _ = self.observers.close();
                 let _ = self.record(&format!("failed: {error}"), None);
                 return Err(match error {
-                    Failure::Engine(error) => RunError::Engine { error, directory: directory.to_path_buf() },
+                    Failure::Engine(error) => RunError::Engine { error, directory },
                     Failure::Observe(error) => RunError::Output(error),
+                    Failure::Keep(error) => error.into(),
                 });
             }
         };
@@ -254,11 +324,16 @@ impl Run {
             Ending::OutOfTime => "stopped when its time was over",
         };
         self.record(outcome, Some(result_hash.clone()))?;
+        if let (Ending::Completed, Some(keeper)) = (ending, &self.keeper) {
+            keeper.clear();
+        }
+        let checkpoint = if ending == Ending::Completed { None } else { self.kept.clone() };
         let mut outputs: Vec<PathBuf> = self.observers.files().map(|(path, _)| path.to_path_buf()).collect();
         outputs.push(directory.join(MANIFEST));
         Ok(RunSummary {
             ending,
             steps: self.driver.step(),
+            planned: steps,
             time: self.driver.time(),
             wall,
             output_wall: self.output_time,
@@ -266,21 +341,30 @@ impl Run {
             events,
             energy_drift,
             result_hash,
-            directory: directory.to_path_buf(),
+            directory,
             outputs,
+            checkpoint,
         })
     }
 
-    fn steps(&mut self, progress: &mut dyn Progress, limits: &Limits<'_>) -> Result<Ending, Failure> {
+    fn steps(
+        &mut self,
+        fresh: bool,
+        progress: &mut dyn Progress,
+        limits: &Limits<'_>,
+    ) -> Result<Ending, Failure> {
         let steps = self.plan.driver.steps;
-        self.observe(Observers::start)?;
+        if fresh {
+            self.observe(Observers::start)?;
+        }
         // Steps between two reports: doubled and halved until they take about as long as `REPORT`.
         let mut stride: u64 = 1;
         while self.driver.step() < steps {
             let step = self.driver.step();
             let due = self.observers.next_due(step).unwrap_or(u64::MAX);
+            let keep = self.keeper.as_ref().map_or(u64::MAX, |keeper| keeper.next_due(step));
             let report = step.saturating_add(stride);
-            let until = steps.min(due).min(report);
+            let until = steps.min(due).min(report).min(keep);
             let before = Instant::now();
             let advance = self.driver.advance(until, limits.stop)?;
             let spent = before.elapsed();
@@ -290,21 +374,39 @@ impl Run {
                 stride = (stride / 2).max(1);
             }
             if advance == Advance::Stopped {
-                self.observe(Observers::finish)?;
-                return Ok(Ending::Stopped);
+                return self.end_early(Ending::Stopped);
             }
             if until == due {
                 self.observe(Observers::observe)?;
             }
             progress.advance(&self.status());
             let over = limits.max_time.is_some_and(|most| self.begin.elapsed() >= most);
-            if over && self.driver.step() < steps {
-                self.observe(Observers::finish)?;
-                return Ok(Ending::OutOfTime);
+            let step = self.driver.step();
+            if over && step < steps {
+                return self.end_early(Ending::OutOfTime);
+            }
+            if step < steps && self.keeper.as_ref().is_some_and(|keeper| keeper.is_due(step)) {
+                self.keep()?;
             }
         }
         self.observe(Observers::finish)?;
         Ok(Ending::Completed)
+    }
+
+    /// Keeps the state before outputs get the entry of an early end, which a continued run does not have.
+    fn end_early(&mut self, ending: Ending) -> Result<Ending, Failure> {
+        let kept = self.keep();
+        self.observe(Observers::finish)?;
+        kept.map(|()| ending)
+    }
+
+    /// Writes a checkpoint, where the run has them.
+    fn keep(&mut self) -> Result<(), Failure> {
+        let Some(keeper) = &mut self.keeper else { return Ok(()) };
+        let before = Instant::now();
+        self.kept = keeper.keep(self.driver.as_ref(), &self.observers).map_err(Failure::Keep)?;
+        self.output_time += before.elapsed();
+        Ok(())
     }
 
     fn observe(
@@ -323,15 +425,16 @@ impl Run {
 
     fn rate(&self, wall: Duration) -> f64 {
         let seconds = wall.as_secs_f64();
-        let work = self.bodies as f64 * self.driver.step() as f64;
+        let work = self.bodies as f64 * (self.driver.step() - self.first) as f64;
         if seconds > 0.0 { work / seconds } else { 0.0 }
     }
 
     fn status(&self) -> Status {
         let (step, steps) = (self.driver.step(), self.plan.driver.steps);
         let elapsed = self.begin.elapsed();
-        let left = (step > 0).then(|| {
-            let seconds = elapsed.as_secs_f64() * (steps.saturating_sub(step)) as f64 / step as f64;
+        let done = step - self.first;
+        let left = (done > 0).then(|| {
+            let seconds = elapsed.as_secs_f64() * (steps.saturating_sub(step)) as f64 / done as f64;
             Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
         });
         Status {
@@ -369,6 +472,7 @@ impl Run {
 enum Failure {
     Engine(EngineError),
     Observe(ObserveError),
+    Keep(KeepError),
 }
 
 impl std::fmt::Display for Failure {
@@ -376,6 +480,7 @@ impl std::fmt::Display for Failure {
         match self {
             Self::Engine(error) => error.fmt(f),
             Self::Observe(error) => error.fmt(f),
+            Self::Keep(error) => f.write_str(&error.0),
         }
     }
 }

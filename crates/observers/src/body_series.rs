@@ -7,7 +7,7 @@ use granule_formats::Provenance;
 use granule_formats::csv::{AppendLog, Column};
 use granule_plan::{Dimensions, Plan};
 
-use crate::{ObserveError, Observer, quantities};
+use crate::{Mark, ObserveError, Observer, quantities};
 
 /// Writes one row a body and entry: step, time, identity, position, velocity, spin, force and torque, as far as they
 /// exist in the plan. Positions do not jump at periodic boundaries.
@@ -66,6 +66,16 @@ impl BodySeries {
         columns
     }
 
+    fn find(&mut self, view: &View<'_>) -> Result<(), ObserveError> {
+        let bodies = view.bodies();
+        self.ranks.clear();
+        for id in &self.ids {
+            let rank = view.order().binary_search_by_key(id, |&place| bodies.id[place as usize]);
+            self.ranks.push(rank.map_err(|_| ObserveError::UnknownBody { id: *id })?);
+        }
+        Ok(())
+    }
+
     fn row(&self, view: &View<'_>, id: u32, rank: usize) -> Vec<f64> {
         let (bodies, place) = (view.bodies(), view.order()[rank] as usize);
         let mut row = vec![view.step() as f64, view.time(), f64::from(id)];
@@ -94,12 +104,7 @@ impl Observer for BodySeries {
     }
 
     fn start(&mut self, view: &View<'_>) -> Result<(), ObserveError> {
-        let bodies = view.bodies();
-        self.ranks.clear();
-        for id in &self.ids {
-            let rank = view.order().binary_search_by_key(id, |&place| bodies.id[place as usize]);
-            self.ranks.push(rank.map_err(|_| ObserveError::UnknownBody { id: *id })?);
-        }
+        self.find(view)?;
         self.log = Some(AppendLog::create(&self.path, &self.provenance, &self.columns())?);
         Ok(())
     }
@@ -110,6 +115,17 @@ impl Observer for BodySeries {
         if let Some(log) = &mut self.log {
             log.append_rows(rows.iter().map(Vec::as_slice))?;
         }
+        Ok(())
+    }
+
+    fn mark(&self) -> Result<Mark, ObserveError> {
+        Ok(Mark::Length(Mark::length(self.log.as_ref())?))
+    }
+
+    fn resume(&mut self, mark: &Mark, view: &View<'_>) -> Result<(), ObserveError> {
+        let Mark::Length(length) = mark else { return Err(Mark::foreign(&self.path)) };
+        self.find(view)?;
+        self.log = Some(AppendLog::resume_at(&self.path, &self.provenance, &self.columns(), *length)?);
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use granule_drivers::View;
 use granule_formats::Provenance;
 use granule_formats::lammps_data::{self, Atom};
 
-use crate::{ObserveError, Observer, Snapshot};
+use crate::{Mark, ObserveError, Observer, Snapshot};
 
 /// Keeps a LAMMPS data file (`atom_style sphere`) of the latest entry: each one replaces the one before in a single
 /// stroke. [`Observers::from_plan`](crate::Observers::from_plan) lets it look at the start and at the end of a run.
@@ -63,6 +63,14 @@ impl Observer for DataFile {
             atoms: atoms.collect(),
         };
         Ok(lammps_data::write(&self.path, &file, &self.provenance)?)
+    }
+
+    fn mark(&self) -> Result<Mark, ObserveError> {
+        Ok(Mark::Nothing)
+    }
+
+    fn resume(&mut self, mark: &Mark, _view: &View<'_>) -> Result<(), ObserveError> {
+        if matches!(mark, Mark::Nothing) { Ok(()) } else { Err(Mark::foreign(&self.path)) }
     }
 
     fn finish(&mut self) -> Result<(), ObserveError> {

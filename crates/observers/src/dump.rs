@@ -6,7 +6,7 @@ use granule_drivers::View;
 use granule_formats::lammps_dump::{Dialect, DumpWriter};
 use granule_formats::{Provenance, ScalarColumn};
 
-use crate::{ObserveError, Observer, Snapshot};
+use crate::{Mark, ObserveError, Observer, Snapshot};
 
 /// Names of the image flags of a dump.
 const IMAGES: [&str; 3] = ["ix", "iy", "iz"];
@@ -52,6 +52,18 @@ impl Observer for Dump {
                 .collect();
             writer.append(&snapshot.frame(&columns))?;
         }
+        Ok(())
+    }
+
+    fn mark(&self) -> Result<Mark, ObserveError> {
+        let Some(writer) = &self.writer else { return Ok(Mark::Length(0)) };
+        writer.sync()?;
+        Ok(Mark::Length(writer.length()))
+    }
+
+    fn resume(&mut self, mark: &Mark, _view: &View<'_>) -> Result<(), ObserveError> {
+        let Mark::Length(length) = mark else { return Err(Mark::foreign(&self.path)) };
+        self.writer = Some(DumpWriter::resume_at(&self.path, &self.provenance, Dialect::Lammps, *length)?);
         Ok(())
     }
 

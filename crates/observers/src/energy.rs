@@ -1,13 +1,14 @@
 //! The energy ledger as observers see it.
 
 use granule_drivers::View;
+use serde::{Deserialize, Serialize};
 
 use crate::quantities;
 
 /// Energies at one moment, and what was dissipated and supplied until then.
 ///
 /// Elastic energy, dissipation and work of walls are zero unless the plan has the energy ledger.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energy {
     /// Kinetic energy of translation \[J\].
     pub kinetic: f64,

@@ -20,7 +20,7 @@ pub use data_file::DataFile;
 pub use dump::Dump;
 pub use energy::Energy;
 pub use granule_formats::Provenance;
-pub use observer::{ObserveError, Observer};
+pub use observer::{Mark, ObserveError, Observer};
 pub use series::{Compute, Series, compute};
 pub use set::{MANIFEST, Observers};
 pub use snapshot::Snapshot;

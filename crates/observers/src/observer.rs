@@ -4,6 +4,11 @@ use std::path::{Path, PathBuf};
 
 use granule_drivers::View;
 use granule_formats::FormatError;
+use granule_formats::csv::AppendLog;
+use serde::{Deserialize, Serialize};
+
+use crate::Energy;
+use crate::layer::ImpactMeter;
 
 /// Looks at a run from time to time and writes what it sees. It cannot change the run.
 ///
@@ -28,11 +33,52 @@ pub trait Observer: Send {
     /// A file cannot be written.
     fn observe(&mut self, view: &View<'_>) -> Result<(), ObserveError>;
 
+    /// Where it is, so that another one can go on from there; what it has written is then on the disk.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    fn mark(&self) -> Result<Mark, ObserveError>;
+
+    /// Goes on from a mark instead of [`start`](Self::start): what was written later is cut off.
+    ///
+    /// # Errors
+    /// The mark is not one of this observer, or a file is not as it was.
+    fn resume(&mut self, mark: &Mark, view: &View<'_>) -> Result<(), ObserveError>;
+
     /// Completes what it has written.
     ///
     /// # Errors
     /// A file cannot be written.
     fn finish(&mut self) -> Result<(), ObserveError>;
+}
+
+/// Where an observer is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Mark {
+    /// It keeps nothing from entry to entry.
+    Nothing,
+    /// Bytes of a file that grows.
+    Length(u64),
+    /// Bytes of a file that grows, and the energies at the start of the run.
+    LengthSince(u64, Energy),
+    /// Files of a series.
+    Files(u64),
+    /// Collisions seen so far.
+    Impacts(ImpactMeter),
+}
+
+impl Mark {
+    /// Length of a log, which is then on the disk; 0 before it begins.
+    pub(crate) fn length(log: Option<&AppendLog>) -> Result<u64, ObserveError> {
+        let Some(log) = log else { return Ok(0) };
+        log.sync()?;
+        Ok(log.length())
+    }
+
+    /// The error of an observer whose mark this is not.
+    pub(crate) fn foreign(path: &Path) -> ObserveError {
+        ObserveError::Mark { path: path.to_path_buf() }
+    }
 }
 
 /// Why an observer cannot go on.
@@ -44,6 +90,11 @@ pub enum ObserveError {
     UnknownQuantity {
         /// The name.
         name: String,
+    },
+    /// A mark is that of another observer.
+    Mark {
+        /// The file of the observer.
+        path: PathBuf,
     },
     /// There is no such body.
     UnknownBody {
@@ -72,6 +123,9 @@ impl std::fmt::Display for ObserveError {
             Self::UnknownQuantity { name } => {
                 let known: Vec<&str> = granule_plan::SERIES.iter().map(|(name, _, _)| *name).collect();
                 write!(f, "there is no quantity `{name}`; known are {}", known.join(", "))
+            }
+            Self::Mark { path } => {
+                write!(f, "the checkpoint says nothing about the output {}", path.display())
             }
             Self::UnknownBody { id } => write!(f, "there is no body {id}"),
             Self::Path { path, reason } => write!(f, "output `{}`: {reason}", path.display()),

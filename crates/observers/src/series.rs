@@ -7,7 +7,7 @@ use granule_formats::Provenance;
 use granule_formats::csv::{AppendLog, Column};
 use granule_plan::SERIES;
 
-use crate::{Energy, ObserveError, Observer, quantities};
+use crate::{Energy, Mark, ObserveError, Observer, quantities};
 
 /// How a quantity is computed from the view, the energies of the view, and those of the start.
 pub type Compute = fn(&View<'_>, &Energy, &Energy) -> f64;
@@ -93,6 +93,17 @@ impl Observer for Series {
             row.extend(self.compute.iter().map(|compute| compute(view, &now, &self.start)));
             log.append(&row)?;
         }
+        Ok(())
+    }
+
+    fn mark(&self) -> Result<Mark, ObserveError> {
+        Ok(Mark::LengthSince(Mark::length(self.log.as_ref())?, self.start))
+    }
+
+    fn resume(&mut self, mark: &Mark, _view: &View<'_>) -> Result<(), ObserveError> {
+        let Mark::LengthSince(length, start) = mark else { return Err(Mark::foreign(&self.path)) };
+        self.start = *start;
+        self.log = Some(AppendLog::resume_at(&self.path, &self.provenance, &self.columns, *length)?);
         Ok(())
     }
 

@@ -7,7 +7,7 @@ use granule_formats::FormatError;
 use granule_plan::{OutputKind, OutputPlan, Plan};
 
 use crate::layer::{ImpactTable, LayerSeries, PairCorrelation};
-use crate::{BodySeries, DataFile, Dump, ObserveError, Observer, Provenance, Series, VtkSeries};
+use crate::{BodySeries, DataFile, Dump, Mark, ObserveError, Observer, Provenance, Series, VtkSeries};
 
 /// An observer with the interval at which it looks.
 struct Scheduled {
@@ -75,6 +75,30 @@ impl Observers {
             .iter()
             .map(|scheduled| (step / scheduled.every + 1).saturating_mul(scheduled.every))
             .min()
+    }
+
+    /// Where all observers are, in their order, each with the step of its last entry; what they have written is then on the
+    /// disk.
+    ///
+    /// # Errors
+    /// See [`ObserveError`].
+    pub fn marks(&self) -> Result<Vec<(Option<u64>, Mark)>, ObserveError> {
+        self.scheduled.iter().map(|scheduled| Ok((scheduled.seen, scheduled.observer.mark()?))).collect()
+    }
+
+    /// Goes on from marks instead of [`start`](Self::start): what was written later is cut off.
+    ///
+    /// # Errors
+    /// The marks are not those of these observers, or a file is not as it was.
+    pub fn resume(&mut self, marks: &[(Option<u64>, Mark)], view: &View<'_>) -> Result<(), ObserveError> {
+        for (index, scheduled) in self.scheduled.iter_mut().enumerate() {
+            let Some((seen, mark)) = marks.get(index) else {
+                return Err(Mark::foreign(scheduled.observer.path()));
+            };
+            scheduled.seen = *seen;
+            scheduled.observer.resume(mark, view)?;
+        }
+        Ok(())
     }
 
     /// Opens all observers and lets them look for the first time.

@@ -7,7 +7,7 @@ use granule_drivers::View;
 use granule_formats::Provenance;
 use granule_formats::vtk::{Compression, Series};
 
-use crate::{ObserveError, Observer, Snapshot};
+use crate::{Mark, ObserveError, Observer, Snapshot};
 
 /// Writes one `.vtp` file an entry and a `.pvd` collection that names them with their times. Positions are those inside
 /// the cell.
@@ -54,6 +54,17 @@ impl Observer for VtkSeries {
         if let Some(series) = &mut self.series {
             series.append(&Snapshot::of(view).frame(&[]))?;
         }
+        Ok(())
+    }
+
+    fn mark(&self) -> Result<Mark, ObserveError> {
+        // Every file of a series is on the disk when it is complete.
+        Ok(Mark::Files(self.series.as_ref().map_or(0, |series| series.entries().len() as u64)))
+    }
+
+    fn resume(&mut self, mark: &Mark, _view: &View<'_>) -> Result<(), ObserveError> {
+        let Mark::Files(files) = mark else { return Err(Mark::foreign(&self.path)) };
+        self.series = Some(Series::resume_at(&self.path, &self.provenance, self.compression, *files)?);
         Ok(())
     }
 

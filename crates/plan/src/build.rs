@@ -162,6 +162,7 @@ impl Builder<'_> {
             driver: schedule::blank(scheme),
             event,
             outputs: Vec::new(),
+            checkpoint: None,
             decisions: Vec::new(),
             fingerprint: String::new(),
         };
@@ -173,6 +174,7 @@ impl Builder<'_> {
             crate::resolution::check(self, &plan);
         }
         outputs::outputs(self, &mut plan);
+        crate::checkpoint::checkpoint(self, &mut plan);
         self.decide(&plan, &drafts);
         plan.decisions = std::mem::take(&mut self.decisions);
         plan.fingerprint = crate::fingerprint::fingerprint(&plan);

@@ -6,6 +6,7 @@
 mod allowance;
 mod bodies;
 mod build;
+mod checkpoint;
 mod checks;
 mod conventions;
 mod event;
@@ -29,8 +30,8 @@ pub use explain::explain;
 pub use fingerprint::fingerprint;
 pub use limits::{Limits, limits};
 pub use model::{
-    BodyTable, CollisionPlan, Composition, Decision, Dimensions, EventPlan, MaterialPlan, OutputKind,
-    OutputPlan, Partner, Plan, Precision, SERIES, Scheme, Search, Slides, StagePlan, SubstrateMaterial,
-    SubstratePlan, TimeStepPlan, WallPlan,
+    BodyTable, CheckpointPlan, CollisionPlan, Composition, Decision, Dimensions, EventPlan, MaterialPlan,
+    OutputKind, OutputPlan, Partner, Plan, Precision, SERIES, Scheme, Search, Slides, StagePlan,
+    SubstrateMaterial, SubstratePlan, TimeStepPlan, WallPlan,
 };
 pub use single::SingleImpact;

@@ -249,6 +249,17 @@ pub struct OutputPlan {
     pub every: u64,
 }
 
+/// When the state of a run is kept, besides when it is stopped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CheckpointPlan {
+    /// Steps between two checkpoints, at least 1.
+    pub every: Option<u64>,
+    /// Time on the clock between two checkpoints \[s\].
+    pub wall: Option<f64>,
+    /// How many of the last checkpoints are kept, at least 1.
+    pub keep: usize,
+}
+
 /// Kinds of output.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OutputKind {
@@ -363,6 +374,8 @@ pub struct Plan {
     pub event: Option<EventPlan>,
     /// Outputs.
     pub outputs: Vec<OutputPlan>,
+    /// When the state is kept; `None` for never.
+    pub checkpoint: Option<CheckpointPlan>,
     /// What is included, what is left out, and why.
     pub decisions: Vec<Decision>,
     /// Hash of everything above that determines the results: 32 hexadecimal digits. Outputs do not enter it.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-use granule_scene::{EveryChoice, OutputBlock, OutputChoice, suggestion};
+use granule_scene::{EveryChoice, OutputBlock, OutputChoice, Spanned, suggestion};
 
 use crate::build::Builder;
 use crate::model::{OutputKind, OutputPlan, Plan, SERIES};
@@ -147,33 +147,37 @@ fn every(builder: &mut Builder<'_>, block: &OutputBlock, plan: &Plan) -> u64 {
         // Contacts are seen only while they last.
         None if matches!(block.what, OutputChoice::Impacts { .. }) => 1,
         None => (steps / ENTRIES).max(1),
-        Some(every) => match every.value {
-            EveryChoice::Steps(steps) => steps.max(1),
-            EveryChoice::Time(time) => {
-                let step = plan.driver.step;
-                if step <= 0.0 {
-                    return 1;
-                }
-                let exact = time / step;
-                // Saturates where the interval is longer than any run.
-                let whole = exact.round().max(1.0) as u64;
-                if (exact - whole as f64).abs() > 1e-6 * exact.max(1.0) {
-                    let interval = whole as f64 * step;
-                    builder.warning(
-                        every.span.clone(),
-                        format!("`every` of {time} s is {exact:.3} steps; every {whole} steps, {interval:.6e} s, are written"),
-                        "entries lie on whole steps",
-                    );
-                }
-                whole
+        Some(every) => interval(builder, every, plan.driver.step),
+    }
+}
+
+/// An interval in steps of `step` \[s\].
+pub(crate) fn interval(builder: &mut Builder<'_>, every: &Spanned<EveryChoice>, step: f64) -> u64 {
+    match every.value {
+        EveryChoice::Steps(steps) => steps.max(1),
+        EveryChoice::Time(_) if step <= 0.0 => 1,
+        EveryChoice::Time(time) => {
+            let exact = time / step;
+            // Saturates where the interval is longer than any run.
+            let whole = exact.round().max(1.0) as u64;
+            if (exact - whole as f64).abs() > 1e-6 * exact.max(1.0) {
+                let interval = whole as f64 * step;
+                builder.warning(
+                    every.span.clone(),
+                    format!(
+                        "`every` of {time} s is {exact:.3} steps; every {whole} steps, {interval:.6e} s, are written"
+                    ),
+                    "entries lie on whole steps",
+                );
             }
-        },
+            whole
+        }
     }
 }
 
 fn series(
     builder: &mut Builder<'_>,
-    columns: Option<&[granule_scene::Spanned<String>]>,
+    columns: Option<&[Spanned<String>]>,
     rotation: bool,
     event: bool,
 ) -> Vec<String> {

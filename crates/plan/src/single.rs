@@ -66,6 +66,7 @@ impl SingleImpact {
             },
             event: None,
             outputs: Vec::new(),
+            checkpoint: None,
             decisions: Vec::new(),
             fingerprint: String::new(),
         };

@@ -43,6 +43,7 @@ const CHAPTERS: &[(&str, &str, &[&Block])] = &[
             &spec::EVENT,
             &spec::ARCS,
             &spec::RUN,
+            &spec::CHECKPOINT,
         ],
     ),
     (

@@ -87,6 +87,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
     let accuracy = accuracy::goal(r, &f);
     let run = r.required(&f, "run", |r, _, node| run::length(r, node));
     let outputs = section(r, f.get("outputs"), &at, run::outputs);
+    let checkpoint = r.optional(&f, "checkpoint", |r, _, node| run::checkpoint(r, node));
     let ledger = r.optional(&f, "ledger", Reader::boolean);
     Some(Scene {
         title: title.flatten().map_or(String::new(), |title| title.value),
@@ -121,6 +122,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
         accuracy: accuracy.flatten(),
         run,
         outputs,
+        checkpoint: checkpoint.flatten(),
         ledger: ledger.flatten().unwrap_or(false),
     })
 }

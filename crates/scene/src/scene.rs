@@ -1,11 +1,13 @@
 //! What the user wrote, with places. Nothing here is checked against laws, other blocks or geometry: the plan does that.
 
 mod accuracy;
+mod checkpoint;
 mod outputs;
 
 use std::ops::Range;
 
 pub use accuracy::{AccuracyBlock, AccuracyGoal};
+pub use checkpoint::CheckpointChoice;
 pub use outputs::{EveryChoice, OutputBlock, OutputChoice};
 
 /// A value and the bytes of the text that it was read from.
@@ -85,6 +87,8 @@ pub struct Scene {
     pub run: Option<RunBlock>,
     /// Files to write.
     pub outputs: Section<OutputBlock>,
+    /// When the state is kept.
+    pub checkpoint: Option<CheckpointChoice>,
     /// The energy ledger is asked for.
     pub ledger: bool,
     /// False if anything could not be read.

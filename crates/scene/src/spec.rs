@@ -1,13 +1,17 @@
 //! Every block and field of a scene, in one place: the reader refuses what is not listed here, and the manual prints it.
 
 mod accuracy;
+mod checkpoint;
 mod event;
 mod layer;
+mod outputs;
 mod substrate;
 
 pub use accuracy::{ACCURACY, BUDGET};
+pub use checkpoint::CHECKPOINT;
 pub use event::{ARCS, EFFECTIVE_RESTITUTION, EVENT};
 pub use layer::{IMPACTS_OUTPUT, LAYER_OUTPUT, PAIR_CORRELATION_OUTPUT};
+pub use outputs::{BODIES_OUTPUT, DATA_OUTPUT, DUMP_OUTPUT, SERIES_OUTPUT, VTK_OUTPUT};
 pub use substrate::SUBSTRATE;
 
 /// One field.
@@ -161,6 +165,12 @@ pub const SCENE: Block = Block {
         ),
         need("run", "block Run", "How long it runs."),
         opt("outputs", "list of outputs", "no outputs", "Files to write."),
+        opt(
+            "checkpoint",
+            "block Checkpoint, or `Never`",
+            "every 10 minutes of the clock",
+            "When the state of the run is kept, so that it can be continued.",
+        ),
         opt(
             "ledger",
             FROZEN,
@@ -552,47 +562,3 @@ pub const RUN: Block = Block {
         opt("steps", "whole number", "from `duration`", "Number of steps."),
     ],
 };
-
-const PATH: Field = need("path", "text", "Path inside the output folder of the run.");
-const EVERY: Field = opt(
-    "every",
-    "whole number of steps, or time such as `\"1 ms\"`",
-    "a hundredth of the run",
-    "Interval between entries; there is one at the start and one at the end too.",
-);
-
-pub const SERIES_OUTPUT: Block = Block {
-    name: "Series",
-    doc: "CSV time series of global quantities.",
-    fields: &[
-        PATH,
-        EVERY,
-        opt(
-            "columns",
-            "list of names of quantities",
-            "kinetic and rotational energy, contacts, maximum overlap, maximum speed",
-            "Quantities; those of the energy ledger switch it on.",
-        ),
-    ],
-};
-
-pub const BODIES_OUTPUT: Block = Block {
-    name: "Bodies",
-    doc: "CSV time series of single bodies: position, velocity, spin, force, torque.",
-    fields: &[PATH, EVERY, need("ids", "list of body ids", "Which bodies.")],
-};
-
-pub const DUMP_OUTPUT: Block = Block {
-    name: "LammpsDump",
-    doc: "LAMMPS text dump of all bodies with 17 digits; opens in OVITO.",
-    fields: &[PATH, EVERY],
-};
-
-pub const VTK_OUTPUT: Block = Block {
-    name: "Vtk",
-    doc: "VTK `.vtp` files and a `.pvd` collection; opens in ParaView.",
-    fields: &[PATH, EVERY, opt("compressed", FROZEN, "true", "Compresses the blocks.")],
-};
-
-pub const DATA_OUTPUT: Block =
-    Block { name: "LammpsData", doc: "LAMMPS data file of the last state.", fields: &[PATH] };

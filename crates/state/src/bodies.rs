@@ -1,9 +1,11 @@
 //! Bodies as rows in memory order.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Row;
 
 /// Which rows exist. A run holds only what its plan needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Layout {
     /// Plane motion: velocity rows hold (v_x, v_y, ω_z, 1/m), force rows (f_x, f_y, τ_z, -); no spin or torque rows.
     pub planar: bool,
@@ -59,7 +61,7 @@ pub struct BodyInput {
 }
 
 /// What a body does on a surface, at the time of its position.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceRow {
     /// Mean force of the surface over the last step \[N\].
     pub force: [f64; 3],
@@ -78,7 +80,7 @@ pub struct SurfaceRow {
 }
 
 /// All bodies. The order is one of memory locality and changes during a run; `id` is the stable identity.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bodies {
     layout: Layout,
     /// Centre x, y, z and radius R \[m\].
@@ -307,6 +309,81 @@ impl Bodies {
         gather(&mut self.material, order);
         gather(&mut self.image, order);
         gather(&mut self.surface, order);
+    }
+
+    /// True if the rows are those of a layout and all columns have one entry a body.
+    pub fn is_whole(&self, layout: Layout) -> bool {
+        // All columns are named, so that a new one cannot be forgotten.
+        let Self {
+            layout: own,
+            position,
+            velocity,
+            spin,
+            force,
+            torque,
+            previous_acceleration,
+            previous_angular_acceleration,
+            predicted_acceleration,
+            predicted_angular_acceleration,
+            planar_inverse_inertia,
+            mass,
+            id,
+            material,
+            image,
+            surface,
+        } = self;
+        let count = position.len();
+        let if_any = |exists: bool| if exists { count } else { 0 };
+        let remembers = layout.previous_acceleration;
+        let predicts = layout.predicted_acceleration;
+        *own == layout
+            && [velocity.len(), force.len(), mass.len(), id.len(), material.len(), image.len()]
+                .iter()
+                .all(|length| *length == count)
+            && [spin.len(), torque.len()].iter().all(|length| *length == if_any(layout.spin_rows()))
+            && previous_acceleration.len() == if_any(remembers)
+            && previous_angular_acceleration.len() == if_any(remembers && layout.spin_rows())
+            && predicted_acceleration.len() == if_any(predicts)
+            && predicted_angular_acceleration.len() == if_any(predicts && layout.spin_rows())
+            && planar_inverse_inertia.len() == if_any(layout.planar && layout.rotation)
+            && surface.len() == if_any(layout.surface)
+    }
+
+    /// True if every number of every row is finite.
+    pub fn is_finite(&self) -> bool {
+        let rows = [
+            &self.position,
+            &self.velocity,
+            &self.spin,
+            &self.force,
+            &self.torque,
+            &self.previous_acceleration,
+            &self.previous_angular_acceleration,
+            &self.predicted_acceleration,
+            &self.predicted_angular_acceleration,
+        ];
+        rows.iter().all(|rows| rows.iter().all(|row| row.0.iter().all(|number| number.is_finite())))
+            && self.surface.iter().all(|row| {
+                let SurfaceRow { force, torque, slip, rolling, plate, drilling, footing: _ } = row;
+                let vectors = [force, torque].into_iter().flatten();
+                let flat = [slip, rolling, plate].into_iter().flatten();
+                vectors.chain(flat).chain([drilling]).all(|number| number.is_finite())
+            })
+    }
+
+    /// True if a body of these and one of others agree in what never changes: identity, material, radius, mass and inertia.
+    pub fn same_body(&self, place: usize, other: &Self, there: usize) -> bool {
+        let constants = |bodies: &Self, k: usize| {
+            let numbers = [
+                bodies.position[k][3],
+                bodies.velocity[k][3],
+                bodies.spin.get(k).map_or(0.0, |row| row[3]),
+                bodies.planar_inverse_inertia.get(k).copied().unwrap_or(0.0),
+                bodies.mass[k],
+            ];
+            (bodies.id[k], bodies.material[k], numbers.map(f64::to_bits))
+        };
+        constants(self, place) == constants(other, there)
     }
 
     /// Places of the bodies in the order of their ids.

@@ -7,6 +7,7 @@ pub mod compare_models;
 pub mod explain;
 pub mod law;
 pub mod laws;
+pub mod resume;
 pub mod run;
 pub mod selftest;
 pub mod trade;

@@ -49,12 +49,17 @@ pub fn run(arguments: &RunArguments, allowance: &Allowance) -> Exit {
             exit
         }
         Err(error) => {
-            terminal::error(&error.to_string());
-            if let RunError::Engine { directory, .. } = &error {
-                terminal::err(&format!("what was written until then is in {}\n", directory.display()));
-            }
+            failed(&error);
             Exit::Run
         }
+    }
+}
+
+/// Tells why a run has failed.
+pub(super) fn failed(error: &RunError) {
+    terminal::error(&error.to_string());
+    if let RunError::Engine { directory, .. } = error {
+        terminal::err(&format!("what was written until then is in {}\n", directory.display()));
     }
 }
 
@@ -69,17 +74,22 @@ pub(super) fn catch_signals(stop: &Arc<AtomicBool>) -> Result<(), ctrlc::Error> 
     })
 }
 
-fn finished(summary: &RunSummary, steps: u64, quiet: bool) -> Exit {
+/// Tells how a run has ended.
+pub(super) fn finished(summary: &RunSummary, steps: u64, quiet: bool) -> Exit {
     if summary.ending != Ending::Completed {
         let (why, exit) = match summary.ending {
             Ending::OutOfTime => ("the time is over", Exit::OutOfTime),
             _ => ("stopped", Exit::Interrupted),
         };
+        let directory = summary.directory.display();
+        let next = match &summary.checkpoint {
+            Some(_) => format!("`granule resume {directory}` continues the run"),
+            None => "no checkpoint was kept: the run cannot be continued".to_string(),
+        };
         terminal::err(&format!(
-            "{why} at step {} of {steps}, t = {} s; the outputs in {} are whole up to there\n",
+            "{why} at step {} of {steps}, t = {} s; the outputs in {directory} are whole up to there; {next}\n",
             summary.steps,
             text::number(text::rounded(summary.time)),
-            summary.directory.display()
         ));
         return exit;
     }

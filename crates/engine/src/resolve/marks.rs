@@ -39,7 +39,7 @@ impl Marks {
     /// Begins an evaluation of a list of `pairs` pairs in `ranges` ranges.
     pub fn begin(&mut self, pairs: usize, ranges: usize) {
         self.touching.swap(0, 1);
-        self.touching[0].resize(pairs / 4 + ranges + 1, 0);
+        self.touching[0].resize(length(pairs, ranges), 0);
         self.clipped.swap(0, 1);
         self.clipped[0].clear();
         self.clipped[0].resize(pairs.div_ceil(64), 0);
@@ -66,12 +66,35 @@ impl Marks {
         self.known && self.clipped[1][(pair >> 6) as usize] >> (pair & 63) & 1 == 1
     }
 
+    /// The bits of the last evaluation: touching pairs, and those whose force was cut.
+    pub fn last(&self) -> (&[u8], &[u64]) {
+        (&self.touching[0], &self.clipped[0])
+    }
+
+    /// Takes over the bits of the last evaluation, of a list of `pairs` pairs in `ranges` ranges; false if they are not as
+    /// many as that.
+    pub fn restore(&mut self, pairs: usize, ranges: usize, touching: &[u8], clipped: &[u64]) -> bool {
+        if touching.len() != length(pairs, ranges) || clipped.len() != pairs.div_ceil(64) {
+            return false;
+        }
+        // Four pairs a byte, whatever a file says.
+        self.touching[0] = touching.iter().map(|byte| byte & 15).collect();
+        self.clipped[0] = clipped.to_vec();
+        self.renewed = false;
+        true
+    }
+
     /// Heap bytes.
     pub fn bytes(&self) -> usize {
         let bytes: usize = self.touching.iter().map(Vec::capacity).sum();
         let words: usize = self.clipped.iter().map(Vec::capacity).sum();
         bytes + 8 * words
     }
+}
+
+/// Bytes for the touching pairs of a list.
+fn length(pairs: usize, ranges: usize) -> usize {
+    pairs / 4 + ranges + 1
 }
 
 /// Ranges of a list for which room is made: pairs of materials that meet in one tile.

@@ -1,7 +1,7 @@
 //! A time series that grows during a run.
 
 use super::{Column, head, parse, push_row};
-use crate::atomic::GrowingFile;
+use crate::atomic::{GrowingFile, continued};
 use crate::error::FormatError;
 use crate::provenance::Provenance;
 use std::fs;
@@ -72,6 +72,29 @@ impl AppendLog {
         let length = start + length_of_rows(&text[start..], kept.count());
         let file = GrowingFile::open(path, length as u64)?;
         Ok(AppendLog { file, columns: columns.to_vec(), buffer: Vec::new() })
+    }
+
+    /// Continues a time series at a length that it once had: what was written later is cut off.
+    ///
+    /// # Errors
+    /// When the file does not begin with the header that [`AppendLog::create`] writes for these columns and this provenance,
+    /// or is shorter than `length`; then it is left as it is.
+    pub fn resume_at(
+        path: impl AsRef<Path>,
+        provenance: &Provenance,
+        columns: &[Column],
+        length: u64,
+    ) -> Result<AppendLog, FormatError> {
+        let path = path.as_ref();
+        let head = head(path, Some(provenance), columns)?;
+        continued(path, &head, length)?;
+        let file = GrowingFile::open(path, length)?;
+        Ok(AppendLog { file, columns: columns.to_vec(), buffer: Vec::new() })
+    }
+
+    /// Bytes of all rows so far, with the header.
+    pub fn length(&self) -> u64 {
+        self.file.length()
     }
 
     /// Appends a row.

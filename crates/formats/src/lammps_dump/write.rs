@@ -2,7 +2,7 @@
 
 use super::frame::DumpFrame;
 use super::read::Reader;
-use crate::atomic::GrowingFile;
+use crate::atomic::{GrowingFile, continued};
 use crate::error::FormatError;
 use crate::number;
 use crate::particles::Frame;
@@ -70,6 +70,33 @@ impl DumpWriter {
         }
         writer.file = Some(GrowingFile::open(&writer.path, length)?);
         Ok(writer)
+    }
+
+    /// Continues a dump at a length that it once had: frames that were written later are cut off.
+    ///
+    /// # Errors
+    /// When the file is shorter than that or no dump; then it is left as it is.
+    pub fn resume_at(
+        path: impl AsRef<Path>,
+        provenance: &Provenance,
+        dialect: Dialect,
+        length: u64,
+    ) -> Result<DumpWriter, FormatError> {
+        let mut writer = DumpWriter::create(path, provenance, dialect);
+        if length > 0 {
+            let head: &[u8] = match dialect {
+                Dialect::Lammps => b"ITEM: TIME\n",
+                Dialect::Liggghts => b"ITEM: TIMESTEP\n",
+            };
+            continued(&writer.path, head, length)?;
+            writer.file = Some(GrowingFile::open(&writer.path, length)?);
+        }
+        Ok(writer)
+    }
+
+    /// Bytes of all frames so far.
+    pub fn length(&self) -> u64 {
+        self.file.as_ref().map_or(0, GrowingFile::length)
     }
 
     /// Appends a frame, with the particles in the order in which they are given.

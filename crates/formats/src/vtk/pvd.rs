@@ -66,6 +66,31 @@ impl Series {
         Ok(series)
     }
 
+    /// Continues a series behind its first `frames` frames. Files of later ones are overwritten as the series goes on.
+    ///
+    /// # Errors
+    /// As [`Series::resume`], and when the collection has fewer frames or one of their files is missing.
+    pub fn resume_at(
+        path: impl AsRef<Path>,
+        provenance: &Provenance,
+        compression: Compression,
+        frames: u64,
+    ) -> Result<Series, FormatError> {
+        let mut left = frames;
+        let keep = |_| {
+            left = left.saturating_sub(1);
+            true
+        };
+        let mut series = Series::resume(path, provenance, compression, keep)?;
+        series.entries.truncate(usize::try_from(frames).unwrap_or(usize::MAX));
+        let there = |entry: &Entry| series.path.with_file_name(&entry.file).is_file();
+        if left > 0 || !series.entries.iter().all(there) {
+            let problem = format!("it must name {frames} files that exist");
+            return Err(FormatError::refused(&series.path, problem));
+        }
+        Ok(series)
+    }
+
     /// Writes a frame and adds it to the collection.
     ///
     /// # Errors

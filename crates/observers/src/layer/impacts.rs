@@ -3,6 +3,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde::{Deserialize, Serialize};
+
 /// Width of the intervals of density.
 const DENSITY: f64 = 0.1;
 
@@ -37,7 +39,7 @@ pub struct ImpactBin {
     pub effective: [f64; 2],
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Contact {
     speed: f64,
     density: f64,
@@ -45,13 +47,13 @@ struct Contact {
     crowded: bool,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct After {
     bodies: (usize, usize),
     contact: Contact,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Sums {
     contacts: u64,
     crowded: u64,
@@ -60,7 +62,7 @@ struct Sums {
     effective: Moments,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Moments {
     count: u64,
     mean: f64,
@@ -83,7 +85,7 @@ impl Moments {
 }
 
 /// Follows contacts from look to look. Looks must be nearer to each other than a contact lasts.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ImpactMeter {
     velocity: Vec<[f64; 3]>,
     contacts: BTreeMap<(usize, usize), Option<Contact>>,
@@ -172,6 +174,13 @@ impl ImpactMeter {
         }
         sums.restitution.add(along(velocity, bodies, contact.normal) / contact.speed);
         self.after.push(After { bodies, contact });
+    }
+
+    /// True if all bodies that it follows are among `bodies` ones.
+    pub(crate) fn fits(&self, bodies: usize) -> bool {
+        let pairs = self.contacts.keys().chain(self.after.iter().map(|after| &after.bodies));
+        (self.velocity.is_empty() || self.velocity.len() == bodies)
+            && pairs.into_iter().all(|(i, j)| *i < bodies && *j < bodies)
     }
 
     /// What was seen, by density and then by speed; intervals in which nothing happened are left out.

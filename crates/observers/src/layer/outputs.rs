@@ -8,7 +8,7 @@ use granule_formats::csv::{self, AppendLog, Column, Table};
 use granule_plan::Plan;
 
 use super::{ImpactMeter, Layer, Touch, clusters, pair_correlation, segregation_index};
-use crate::{ObserveError, Observer};
+use crate::{Mark, ObserveError, Observer};
 
 /// CSV time series: density, clusters, index of segregation, granular temperature of all bodies and of each material.
 pub struct LayerSeries {
@@ -31,6 +31,18 @@ impl LayerSeries {
         let materials = used.into_iter().filter_map(name).collect();
         Self { path, provenance, gap, neighbours, materials, log: None }
     }
+
+    fn columns(&self) -> Vec<Column> {
+        let mut columns = vec![Column::new("step", ""), Column::new("time", "s")];
+        for name in ["density", "clusters", "largest_cluster", "mean_cluster", "segregation_index"] {
+            columns.push(Column::new(name, ""));
+        }
+        columns.push(Column::new("granular_temperature", "m^2/s^2"));
+        for (_, name) in &self.materials {
+            columns.push(Column::new(format!("granular_temperature {name}"), "m^2/s^2"));
+        }
+        columns
+    }
 }
 
 impl Observer for LayerSeries {
@@ -43,15 +55,7 @@ impl Observer for LayerSeries {
     }
 
     fn start(&mut self, _view: &View<'_>) -> Result<(), ObserveError> {
-        let mut columns = vec![Column::new("step", ""), Column::new("time", "s")];
-        for name in ["density", "clusters", "largest_cluster", "mean_cluster", "segregation_index"] {
-            columns.push(Column::new(name, ""));
-        }
-        columns.push(Column::new("granular_temperature", "m^2/s^2"));
-        for (_, name) in &self.materials {
-            columns.push(Column::new(format!("granular_temperature {name}"), "m^2/s^2"));
-        }
-        self.log = Some(AppendLog::create(&self.path, &self.provenance, &columns)?);
+        self.log = Some(AppendLog::create(&self.path, &self.provenance, &self.columns())?);
         Ok(())
     }
 
@@ -73,6 +77,16 @@ impl Observer for LayerSeries {
         Ok(log.append(&row)?)
     }
 
+    fn mark(&self) -> Result<Mark, ObserveError> {
+        Ok(Mark::Length(Mark::length(self.log.as_ref())?))
+    }
+
+    fn resume(&mut self, mark: &Mark, _view: &View<'_>) -> Result<(), ObserveError> {
+        let Mark::Length(length) = mark else { return Err(Mark::foreign(&self.path)) };
+        self.log = Some(AppendLog::resume_at(&self.path, &self.provenance, &self.columns(), *length)?);
+        Ok(())
+    }
+
     fn finish(&mut self) -> Result<(), ObserveError> {
         Ok(self.log.take().map_or(Ok(()), |log| log.sync())?)
     }
@@ -92,6 +106,12 @@ impl PairCorrelation {
     pub fn new(path: PathBuf, range: f64, bins: usize, provenance: Provenance) -> Self {
         Self { path, provenance, range, bins, log: None }
     }
+
+    fn columns(&self) -> Vec<Column> {
+        let units =
+            [("step", ""), ("time", "s"), ("distance", "m"), ("g", ""), ("g_like", ""), ("g_unlike", "")];
+        units.map(|(name, unit)| Column::new(name, unit)).to_vec()
+    }
 }
 
 impl Observer for PairCorrelation {
@@ -104,10 +124,7 @@ impl Observer for PairCorrelation {
     }
 
     fn start(&mut self, _view: &View<'_>) -> Result<(), ObserveError> {
-        let units =
-            [("step", ""), ("time", "s"), ("distance", "m"), ("g", ""), ("g_like", ""), ("g_unlike", "")];
-        let columns = units.map(|(name, unit)| Column::new(name, unit));
-        self.log = Some(AppendLog::create(&self.path, &self.provenance, &columns)?);
+        self.log = Some(AppendLog::create(&self.path, &self.provenance, &self.columns())?);
         Ok(())
     }
 
@@ -119,6 +136,16 @@ impl Observer for PairCorrelation {
         };
         let rows: Vec<[f64; 6]> = bins.iter().map(row).collect();
         Ok(log.append_rows(rows.iter().map(<[f64; 6]>::as_slice))?)
+    }
+
+    fn mark(&self) -> Result<Mark, ObserveError> {
+        Ok(Mark::Length(Mark::length(self.log.as_ref())?))
+    }
+
+    fn resume(&mut self, mark: &Mark, _view: &View<'_>) -> Result<(), ObserveError> {
+        let Mark::Length(length) = mark else { return Err(Mark::foreign(&self.path)) };
+        self.log = Some(AppendLog::resume_at(&self.path, &self.provenance, &self.columns(), *length)?);
+        Ok(())
     }
 
     fn finish(&mut self) -> Result<(), ObserveError> {
@@ -243,6 +270,18 @@ impl Observer for ImpactTable {
             covered / if plane { reach.powi(2) } else { reach.powi(3) }
         };
         self.meter.look(&velocity, &slips, &walled, &touches, |(i, j)| 0.5 * (about(i) + about(j)));
+        Ok(())
+    }
+
+    fn mark(&self) -> Result<Mark, ObserveError> {
+        Ok(Mark::Impacts(self.meter.clone()))
+    }
+
+    fn resume(&mut self, mark: &Mark, view: &View<'_>) -> Result<(), ObserveError> {
+        match mark {
+            Mark::Impacts(meter) if meter.fits(view.bodies().len()) => self.meter = meter.clone(),
+            _ => return Err(Mark::foreign(&self.path)),
+        }
         Ok(())
     }
 

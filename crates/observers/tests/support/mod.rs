@@ -161,6 +161,7 @@ pub fn plan(bodies: &[Body], stiffness: f64, damping: f64, step: f64, steps: u64
             threads: Some(1),
         },
         outputs: Vec::new(),
+        checkpoint: None,
         decisions: Vec::new(),
         fingerprint: FINGERPRINT.into(),
     }

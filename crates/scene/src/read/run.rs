@@ -5,8 +5,8 @@ use granule_units::Dimension;
 use super::{Blocks, keep};
 use crate::reader::{Allowed, Fields, Reader, Variant};
 use crate::scene::{
-    EventBlock, EveryChoice, IntegratorChoice, OutputBlock, OutputChoice, RunBlock, SlidesChoice, Spanned,
-    StepChoice, TimeStepBlock,
+    CheckpointChoice, EventBlock, EveryChoice, IntegratorChoice, OutputBlock, OutputChoice, RunBlock,
+    SlidesChoice, Spanned, StepChoice, TimeStepBlock,
 };
 use crate::spec::{self, Block};
 use crate::syntax::Node;
@@ -118,6 +118,25 @@ pub fn length(r: &mut Reader, node: Node<'_>) -> Option<RunBlock> {
             None
         }
     }
+}
+
+/// `checkpoint: (every: .., keep: ..)` or `checkpoint: Never`.
+pub fn checkpoint(r: &mut Reader, node: Node<'_>) -> Option<CheckpointChoice> {
+    if node.variant().is_some_and(|(name, _, _)| !name.is_empty()) {
+        r.choice("checkpoint", node, &[("Never", ())])?;
+        return Some(CheckpointChoice::Never);
+    }
+    let f = r.block(Some(node), &spec::CHECKPOINT, node.span())?;
+    let every = r.optional(&f, "every", every);
+    let wall =
+        r.optional(&f, "wall", |r, name, node| r.quantity(name, node, Dimension::TIME, Allowed::Positive));
+    let keep = r.optional(&f, "keep", |r, name, node| r.whole(name, node, 1, 1000));
+    Some(CheckpointChoice::Kept {
+        every: every?,
+        wall: wall?.map(|wall| wall.value),
+        keep: keep?.map_or(2, |keep| keep.value as u32),
+        span: node.span(),
+    })
 }
 
 const OUTPUTS: &[&str] =

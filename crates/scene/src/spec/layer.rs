@@ -1,6 +1,7 @@
 //! Outputs about many bodies together.
 
-use super::{Block, EVERY, LENGTH, PATH, need, opt};
+use super::outputs::{EVERY, PATH};
+use super::{Block, LENGTH, need, opt};
 
 pub const LAYER_OUTPUT: Block = Block {
     name: "Layer",

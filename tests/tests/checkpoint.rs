@@ -1,0 +1,174 @@
+//! A run that is saved, ended, taken up again and continued has the bits of a run that was never interrupted.
+
+use granule_drivers::{Driver, DriverState, restore};
+use granule_tests::plan;
+use std::sync::atomic::AtomicBool;
+
+/// A frictional pile between walls that move: `laws` between the bodies, `driver` of the scene.
+fn pile(laws: &str, driver: &str, steps: u64) -> String {
+    format!(
+        r#"(version: 1, seed: 7, gravity: (0, 0, -9.81), materials: {{ "a": (density: 2500), "b": (density: 900) }},
+        cell: (lo: (0, 0, 0), hi: ("8 mm", "8 mm", "40 mm"), periodic: (true, true, false)),
+        bodies: [
+            Fill(material: "a", radius: Uniform(min: "0.4 mm", max: "0.6 mm"), count: 500,
+                lo: (0, 0, 0), hi: ("8 mm", "8 mm", "16 mm"), velocity: (0, 0, -0.5), velocity_spread: 0.2),
+            Fill(material: "b", radius: "0.3 mm", count: 200,
+                lo: (0, 0, 0), hi: ("8 mm", "8 mm", "16 mm"), velocity: (0, 0, -0.5), velocity_spread: 0.2),
+        ],
+        walls: {{ "floor": Plane(point: (0, 0, 0), normal: (0, 0, 1), material: "a",
+            motion: Sinusoidal(amplitude: (0, 0, "0.2 mm"), frequency: "200 Hz")) }},
+        contacts: [(between: ("a", "a"), {laws}), (between: ("a", "b"), {laws}), (between: ("b", "b"), {laws})],
+        {driver}, run: (steps: {steps}))"#
+    )
+}
+
+const SPRINGS: &str = "normal: LinearSpringDashpot(stiffness: 1e3, restitution: 0.7),
+    tangential: TangentialSpring(stiffness: 285, friction: 0.5, damping: 1e-3)";
+
+fn with(scheme: &str) -> String {
+    format!("driver: TimeStep(integrator: {scheme}, packing_limit: false, step: \"5 us\")")
+}
+
+fn to_bytes(state: &DriverState<'_>) -> Vec<u8> {
+    postcard::to_stdvec(state).unwrap()
+}
+
+fn advance(driver: &mut dyn Driver, until: u64) {
+    driver.advance(until, &AtomicBool::new(false)).expect("the run stays finite");
+}
+
+/// Runs a scene at once, and in parts on different numbers of threads with nothing but bytes between them; the states at the
+/// end are the same to the last byte: positions, histories, lists, sums.
+fn same_bits_in_parts(name: &str, text: &str, parts: &[(u64, usize)]) {
+    let plan = plan(text);
+    let steps = plan.driver.steps;
+    let mut whole = granule_drivers::driver(plan.clone(), Some(2)).unwrap();
+    advance(whole.as_mut(), steps);
+    let mut driver = granule_drivers::driver(plan.clone(), Some(1)).unwrap();
+    for (until, threads) in parts {
+        advance(driver.as_mut(), *until);
+        let bytes = to_bytes(&driver.save().expect("the driver can be saved"));
+        drop(driver);
+        let state = postcard::from_bytes(&bytes).unwrap();
+        driver = restore(plan.clone(), Some(*threads), state).unwrap();
+        assert_eq!(driver.step(), *until);
+        assert!(to_bytes(&driver.save().unwrap()) == bytes, "{name}: what was restored is what was saved");
+    }
+    advance(driver.as_mut(), steps);
+    assert_eq!(driver.result_hash(), whole.result_hash(), "{name}");
+    assert!(
+        to_bytes(&driver.save().unwrap()) == to_bytes(&whole.save().unwrap()),
+        "{name}: every byte of the state"
+    );
+}
+
+/// Parts that end in flight, at the first impacts and in the settled pile.
+const PARTS: [(u64, usize); 5] = [(1, 3), (700, 1), (701, 2), (1999, 4), (3333, 1)];
+
+#[test]
+fn springs_that_remember() {
+    let text = pile(SPRINGS, &with("VelocityVerlet"), 4000);
+    let plan = plan(&text);
+    let mut driver = granule_drivers::driver(plan, Some(2)).unwrap();
+    advance(driver.as_mut(), 4000);
+    assert!(driver.view().tally().contacts > 100, "the pile has contacts");
+    same_bits_in_parts("springs", &text, &PARTS);
+    let ledger = text.replace("version: 1,", "version: 1, ledger: true,");
+    same_bits_in_parts("with the ledger", &ledger, &PARTS);
+}
+
+#[test]
+fn every_integrator() {
+    for scheme in ["ContactResolved", "ClassicVelocityVerlet", "Leapfrog", "SymplecticEuler"] {
+        same_bits_in_parts(scheme, &pile(SPRINGS, &with(scheme), 4000), &PARTS);
+    }
+}
+
+#[test]
+fn a_normal_law_that_remembers_and_single_precision() {
+    let laws = "normal: WaltonBraun(loading_stiffness: 1e3, restitution: 0.7),
+        tangential: TangentialSpring(stiffness: 285, friction: 0.5)";
+    same_bits_in_parts("hysteretic", &pile(laws, &with("VelocityVerlet"), 4000), &PARTS);
+    let single =
+        pile(SPRINGS, &with("ContactResolved"), 4000).replace("seed: 7,", "seed: 7, precision: Single,");
+    same_bits_in_parts("single", &single, &PARTS);
+}
+
+#[test]
+fn walls_that_turn_in_the_plane_and_in_space() {
+    let drum = r#"(version: 1, seed: 3, gravity: (0, 0, -9.81), materials: { "a": (density: 2500) },
+        cell: (lo: (-inf, 0, -inf), hi: (inf, "6 mm", inf), periodic: (false, true, false)),
+        bodies: [Fill(material: "a", radius: "0.5 mm", count: 300, lo: ("-5 mm", 0, "-5 mm"), hi: ("5 mm", "6 mm", "5 mm"))],
+        walls: { "drum": Cylinder(point: (0, 0, 0), axis: (0, 1, 0), radius: "10 mm", inside: true, material: "a",
+            motion: Rotation(point: (0, 0, 0), axis: (0, 1, 0), angular_velocity: 6)) },
+        contacts: [(between: ("a", "a"), normal: LinearSpringDashpot(stiffness: 1e3, restitution: 0.5),
+            tangential: TangentialSpring(stiffness: 285, friction: 0.5))],
+        driver: TimeStep(step: "5 us"), run: (steps: 4000))"#;
+    same_bits_in_parts("drum", drum, &PARTS);
+    let discs = r#"(version: 1, seed: 7, dimensions: 2, gravity: (0, -9.81), materials: { "a": (density: 2500) },
+        cell: (lo: (0, 0), hi: ("15 mm", "40 mm"), periodic: (true, false)),
+        bodies: [Fill(material: "a", radius: Uniform(min: "0.2 mm", max: "0.3 mm"), count: 500,
+            lo: (0, 0), hi: ("15 mm", "15 mm"), velocity: (0, -0.5), velocity_spread: 0.2)],
+        walls: { "floor": Plane(point: (0, 0), normal: (0, 1), material: "a") },
+        contacts: [(between: ("a", "a"), normal: LinearSpringDashpot(stiffness: 1e3, restitution: 0.7),
+            tangential: TangentialSpring(stiffness: 285, friction: 0.5, damping: 1e-3))],
+        driver: TimeStep(step: "5 us"), run: (steps: 4000))"#;
+    same_bits_in_parts("discs", discs, &PARTS);
+}
+
+/// Beads that roll, slip and collide on a shaken plate which they may leave or not.
+#[test]
+fn beads_on_a_substrate() {
+    let motion = r#"Sinusoidal(amplitude: ("2 mm", 0, 0), frequency: "40 Hz")"#;
+    for confined in [false, true] {
+        let text = format!(
+            r#"(version: 1, seed: 5, gravity: (0, 0, -9.81), materials: {{ "a": (density: 7850), "b": (density: 7850) }},
+              bodies: [
+                Lattice(material: "a", radius: 2e-3, spacing: 4.2e-3, lo: (0.003, 0.003, 0.002),
+                    hi: (0.05, 0.048, 0.002), velocity_spread: 0.1),
+                Lattice(material: "b", radius: 2e-3, spacing: 4.2e-3, lo: (0.003, 0.0525, 0.002),
+                    hi: (0.05, 0.1, 0.002), velocity_spread: 0.1),
+              ],
+              walls: {{ "frame": Box(lo: (0, 0, -1), hi: (0.053, 0.103, 1), open: ["z-", "z+"], material: "a",
+                  motion: {motion}) }},
+              substrate: (motion: {motion}, confined: {confined}, laws: {{
+                "a": StickSlip(static_friction: 0.5, kinetic_friction: 0.1, rolling_friction: 1e-3),
+                "b": StickSlip(static_friction: 0.5, kinetic_friction: 0.1, rolling_friction: 1e-2) }}),
+              contacts: [(between: ("a", "a"), {SPRINGS}), (between: ("a", "b"), {SPRINGS}), (between: ("b", "b"), {SPRINGS})],
+              driver: TimeStep(step: 5e-6), run: (steps: 4000), ledger: true)"#
+        );
+        same_bits_in_parts(if confined { "confined" } else { "free" }, &text, &PARTS);
+    }
+}
+
+/// A state under another scene, or one that was changed, is refused and never used.
+#[test]
+fn what_does_not_fit_the_plan_is_refused() {
+    let text = pile(SPRINGS, &with("VelocityVerlet"), 2000);
+    let plan = plan(&text);
+    let mut driver = granule_drivers::driver(plan.clone(), Some(1)).unwrap();
+    advance(driver.as_mut(), 1500);
+    let bytes = to_bytes(&driver.save().unwrap());
+    let refused = |text: &str| {
+        let state: DriverState<'_> = postcard::from_bytes(&bytes).unwrap();
+        let error =
+            restore(granule_tests::plan(text), Some(1), state).err().expect("another scene").to_string();
+        assert!(error.starts_with("the saved state does not fit the scene, or is damaged:"), "{error}");
+        error
+    };
+    assert!(refused(&text.replace("count: 500", "count: 499")).contains("bodies"));
+    assert!(refused(&text.replace("density: 900", "density: 901")).contains("mass of a body"));
+    assert!(refused(&text.replace("steps: 2000", "steps: 1000")).contains("step"));
+    assert!(refused(&text.replace("VelocityVerlet", "Leapfrog")).len() > 10);
+    // Any byte may be wrong: what can be read at all is refused or runs on, and nothing panics.
+    for at in (0..bytes.len()).step_by(bytes.len() / 400) {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x41;
+        let Ok(state) = postcard::from_bytes::<DriverState<'_>>(&damaged) else { continue };
+        if let Ok(mut driver) = restore(plan.clone(), Some(1), state) {
+            let until = driver.step().saturating_add(3);
+            let _ = driver.advance(until.min(plan.driver.steps), &AtomicBool::new(false));
+        }
+    }
+    assert!(postcard::from_bytes::<DriverState<'_>>(&bytes[..bytes.len() - 1]).is_err());
+}
