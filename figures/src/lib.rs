@@ -3,6 +3,7 @@
 //! A [`Chapter`] is the figures of one paper. `cargo xtask figures NAME` makes them as SVG and CSV with a page that explains
 //! them. To add a paper: a module with a function that gives its [`Figure`]s, and a line in [`CHAPTERS`].
 
+pub mod atlas;
 mod kondic;
 mod luding;
 pub mod simulate;

@@ -1,12 +1,15 @@
-//! `granule-figures NAME [--out FOLDER]`: the figures of one paper.
+//! `granule-figures NAME [--docs]`: the figures of one paper; `granule-figures atlas [--quick] [--docs]`: the stability atlas.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use granule_figures::{CHAPTERS, Chapter, Error};
+use granule_figures::{CHAPTERS, Chapter, Error, atlas};
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
+    if words.first().is_some_and(|word| word == "atlas") {
+        return the_atlas(&words[1..]);
+    }
     let names: Vec<&str> = CHAPTERS.iter().map(|chapter| chapter.name).collect();
     let usage = format!(
         "figures NAME [--docs]: makes the figures of a paper; NAME is {}; --docs writes them into docs/ and not into \
@@ -22,6 +25,21 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     match make(chapter, docs) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn the_atlas(options: &[String]) -> ExitCode {
+    let has = |name: &str| options.iter().any(|option| option == name);
+    if let Some(other) = options.iter().find(|option| !["--quick", "--docs"].contains(&option.as_str())) {
+        eprintln!("error: atlas takes --quick and --docs, not `{other}`");
+        return ExitCode::from(2);
+    }
+    match atlas::make(has("--quick"), has("--docs")) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");

@@ -29,6 +29,14 @@ pub struct Body {
 /// # Errors
 /// The scene has errors; all are in the message.
 pub fn plan(text: &str) -> Result<Arc<Plan>, Error> {
+    owned_plan(text).map(Arc::new)
+}
+
+/// Plans a scene whose plan is then changed.
+///
+/// # Errors
+/// As for [`plan`].
+pub fn owned_plan(text: &str) -> Result<Plan, Error> {
     let parsed = granule_scene::parse(text);
     let registry = Registry::collect()?;
     let mut diagnostics = parsed.diagnostics;
@@ -38,7 +46,7 @@ pub fn plan(text: &str) -> Result<Arc<Plan>, Error> {
         plan
     });
     let problems = || diagnostics.iter().map(|problem| problem.render("scene", text)).collect::<String>();
-    plan.map(Arc::new).ok_or_else(|| problems().into())
+    plan.ok_or_else(|| problems().into())
 }
 
 /// A run on one thread.

@@ -1,14 +1,15 @@
-//! `granule-validation validate` and `granule-validation bench`; usually called by `cargo xtask`.
+//! `granule-validation validate`, `granule-validation bench` and `granule-validation extremes`; usually called by `cargo xtask`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use granule_validation::{bench, race, validate};
+use granule_validation::{bench, extremes, race, validate};
 
 const USAGE: &str = "usage: granule-validation validate [--out DIR] [--case NAME]... [--record]
        granule-validation bench [CASE]... [--all] [--list] [--cores N,N..] [--pairs N] [--steps N] [--single] [--out DIR]
        granule-validation bench parts|plugin [--pairs N] [--out DIR]
-       granule-validation bench accuracy [CONTEST]... [--out DIR]";
+       granule-validation bench accuracy [CONTEST]... [--out DIR]
+       granule-validation extremes [NAME]... [--quick] [--docs]";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -16,6 +17,7 @@ fn main() -> ExitCode {
         Some("validate") => validate_with(&words[1..]),
         Some("bench") => bench_with(&words[1..]),
         Some("bench-ours") => bench_ours(&words[1..]),
+        Some("extremes") => extremes_with(&words[1..]),
         _ => Err(USAGE.to_string()),
     };
     match result {
@@ -41,6 +43,19 @@ fn validate_with(words: &[String]) -> Result<bool, String> {
         }
     }
     validate::validate(&options)
+}
+
+fn extremes_with(words: &[String]) -> Result<bool, String> {
+    let mut options = extremes::Options::default();
+    for word in words {
+        match word.as_str() {
+            "--docs" => options.docs = true,
+            "--quick" => options.quick = true,
+            option if option.starts_with('-') => return Err(format!("`{option}` is not an option\n{USAGE}")),
+            name => options.only.push(name.to_string()),
+        }
+    }
+    extremes::extremes(&options)
 }
 
 fn bench_with(words: &[String]) -> Result<bool, String> {

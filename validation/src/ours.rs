@@ -106,6 +106,23 @@ impl SceneFile {
     }
 }
 
+/// Plans the text of a scene that needs no files.
+///
+/// # Errors
+/// The problems of the scene, as text.
+pub fn plan_text(text: &str) -> Result<Arc<Plan>, String> {
+    let registry = Registry::collect().map_err(|error| error.to_string())?;
+    let parsed = granule_scene::parse(text);
+    let mut problems = parsed.diagnostics;
+    let plan = parsed.scene.and_then(|scene| {
+        let (plan, more) = granule_plan::build(&scene, &registry, Path::new("."));
+        problems.extend(more);
+        plan
+    });
+    let told = || problems.iter().map(|problem| problem.render("scene", text)).collect::<Vec<_>>().join("\n");
+    plan.map(Arc::new).ok_or_else(told)
+}
+
 /// Runs a plan and keeps a frame at step 0 and every `every` steps.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! `cargo xtask figures`: the figures of the papers, computed.
+//! `cargo xtask figures`: the figures of the papers, computed; `cargo xtask atlas`: the stability atlas.
 
 use std::path::Path;
 use std::process::Command;
@@ -13,4 +13,13 @@ pub fn figures(root: &Path, words: &[String]) -> Result<(), Error> {
     let mut command = Command::new(cargo());
     command.args(["run", "--quiet", "--release", "--package", "granule-figures", "--"]);
     run(command.args(words).current_dir(root))
+}
+
+/// Computes the stability atlas; `words` are its options.
+///
+/// # Errors
+/// As for [`figures`].
+pub fn atlas(root: &Path, words: &[String]) -> Result<(), Error> {
+    let all: Vec<String> = std::iter::once("atlas".to_string()).chain(words.iter().cloned()).collect();
+    figures(root, &all)
 }

@@ -19,5 +19,5 @@ pub mod tidy;
 pub mod validate;
 
 /// Names of the tasks.
-pub const TASKS: [&str; 9] =
-    ["validate", "test", "bench", "figures", "fuzz", "new-law", "pages", "tidy", "ci"];
+pub const TASKS: [&str; 11] =
+    ["validate", "test", "bench", "figures", "atlas", "extremes", "fuzz", "new-law", "pages", "tidy", "ci"];

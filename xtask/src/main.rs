@@ -32,6 +32,15 @@ cargo xtask <task>
   figures NAME [--docs]
                compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding, kondic
                  --docs   write them into docs/ instead
+  atlas [--quick] [--docs]
+               compute the stability atlas: maps of every law and integrator as SVG and JSON in target/atlas
+                 --quick  the default integrator and every second row only
+                 --docs   write docs/atlas.md and its pictures, too
+  extremes [NAME]... [--quick] [--docs]
+               run the extremes of `granule selftest`, ours and in the engines; table in target/extremes
+                 NAME     only these
+                 --quick  without those that take long
+                 --docs   write docs/extremes.md; needs both engines
   fuzz [TARGET] [--inputs N]
                feed N (default 10^6) random inputs to each fuzz target of tests/tests/fuzz.rs, or to one
   new-law SLOT/NAME [--external DIR]
@@ -65,6 +74,8 @@ fn task(words: &[String]) -> Result<(), Error> {
         "validate" => validate::validate(&root, &validate::Options::parse(rest)?),
         "test" => test::test(&root, &test::Options::parse(rest)?),
         "bench" => bench::bench(&root, rest),
+        "atlas" => figures::atlas(&root, rest),
+        "extremes" => validate::extremes(&root, rest),
         "figures" => figures::figures(&root, rest),
         "fuzz" => fuzz::fuzz(&root, &fuzz::Options::parse(rest)?),
         "new-law" => new_law::new_law(&root, &new_law::Options::parse(rest)?),

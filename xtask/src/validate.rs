@@ -50,6 +50,24 @@ impl Options {
     }
 }
 
+/// Runs the extremes, ours and in the engines; `words` are options of the validation program.
+///
+/// # Errors
+/// An option is unknown, a file cannot be written, or one of ours is wrong; the exit code is that of the program.
+pub fn extremes(root: &Path, words: &[String]) -> Result<(), Error> {
+    let mut command = Command::new(cargo());
+    command.args([
+        "run",
+        "--quiet",
+        "--release",
+        "--package",
+        "granule-validation",
+        "--bin",
+        "granule-validation",
+    ]);
+    run(command.args(["--", "extremes"]).args(words).current_dir(root))
+}
+
 /// Builds the validation program in release and runs it. Its report is in `target/validate`.
 ///
 /// # Errors

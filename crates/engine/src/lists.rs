@@ -114,7 +114,7 @@ impl Lists {
         plan.cell
             .check_minimum_length(self.largest_radius, self.margin + self.reach)
             .map_err(|error| EngineError::Search(error.to_string()))?;
-        Rebuild::wrap(plan, bodies, parallel);
+        Rebuild::wrap(plan, bodies, parallel)?;
         let carried = (self.history_width > 0 && !self.tiles.is_empty()).then_some(last);
         if carried.is_some() {
             self.rebuild.carry(&self.tiles, self.history_width, last, parallel);

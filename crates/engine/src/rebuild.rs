@@ -12,6 +12,7 @@ use granule_state::{Bodies, Row};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::error::EngineError;
 use crate::history::{Carried, swap};
 use crate::lists::{each_tile, push_range};
 use crate::tile::{Pair, Tile};
@@ -75,24 +76,39 @@ impl Rebuild {
     }
 
     /// Brings positions back into the cell.
-    pub fn wrap(plan: &Plan, bodies: &mut Bodies, parallel: bool) {
+    ///
+    /// # Errors
+    /// A body has crossed it more often than can be counted: its place in it means nothing any more.
+    pub fn wrap(plan: &Plan, bodies: &mut Bodies, parallel: bool) -> Result<(), EngineError> {
         if !plan.cell.is_periodic() {
-            return;
+            return Ok(());
         }
         let wrap = |(rows, images): (&mut [Row], &mut [[i32; 3]])| {
+            let mut lost = false;
             for (row, image) in rows.iter_mut().zip(images) {
                 let (wrapped, crossed) = plan.cell.wrap(row.vector());
                 *row = Row::new(wrapped, row[3]);
                 for axis in 0..3 {
                     image[axis] = image[axis].saturating_add(crossed[axis]);
+                    lost |= matches!(image[axis], i32::MIN | i32::MAX);
                 }
             }
+            lost
         };
-        if parallel {
+        let lost = if parallel {
             let images = bodies.image.par_chunks_mut(CHUNK);
-            bodies.position.par_chunks_mut(CHUNK).zip(images).for_each(wrap);
+            bodies.position.par_chunks_mut(CHUNK).zip(images).map(wrap).reduce(|| false, |a, b| a || b)
         } else {
-            wrap((&mut bodies.position, &mut bodies.image));
+            wrap((&mut bodies.position, &mut bodies.image))
+        };
+        let uncounted = |image: &[i32; 3]| image.iter().any(|count| matches!(count, &i32::MIN | &i32::MAX));
+        match bodies.image.iter().position(uncounted).filter(|_| lost) {
+            Some(place) => Err(EngineError::Search(format!(
+                "body {} has crossed the periodic cell more than {} times: the time step is too large for the forces on it",
+                bodies.id[place],
+                i32::MAX
+            ))),
+            None => Ok(()),
         }
     }
 

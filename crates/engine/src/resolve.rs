@@ -247,8 +247,10 @@ impl<'a, T: Arithmetic> Resolver<'a, T> {
         self.evaluate(path, 1.0, time_step, tally)
     }
 
-    /// The law after a part `q` of the step, with powers.
-    fn law(&mut self, path: &Path, q: f64, time_step: f64, history: Option<&[f64]>) -> Answer {
+    /// The law after a part `q` of the step, with powers; `wound` is the time by which springs are wound. Without a spring a law
+    /// uses the step to bound its force: friction that stops at rest would not be bounded by no time.
+    fn law(&mut self, path: &Path, q: f64, wound: f64, history: Option<&[f64]>) -> Answer {
+        let time_step = if self.composition.history_width == 0 { self.time_step } else { wound };
         if !self.ledger {
             return Answer { wrench: self.run(path, q, time_step, history, None), ..Answer::default() };
         }

@@ -9,7 +9,7 @@ mod cases;
 mod run;
 mod scene;
 
-pub use cases::cases;
+pub use cases::{cases, crowd, swarm};
 pub use run::{Body, Lab};
 pub use scene::{Ball, ball, head_on, scene};
 

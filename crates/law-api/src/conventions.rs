@@ -50,6 +50,9 @@ pub enum CoulombCap {
 pub enum VelocityRule {
     /// Of the same time as the positions.
     Synchronised,
+    /// Of the same time as the positions, predicted with an acceleration that is extrapolated from the last two
+    /// (`ContactResolved`).
+    Extrapolated,
     /// Of half a step earlier (classic velocity Verlet with velocity-dependent forces).
     HalfStep,
 }

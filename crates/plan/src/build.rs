@@ -345,11 +345,14 @@ impl Builder<'_> {
             IntegratorChoice::SymplecticEuler => Scheme::SymplecticEuler,
         };
         if let Some(conventions) = conventions
-            && conventions.velocity != velocity_rule(scheme)
+            && (conventions.velocity == VelocityRule::HalfStep)
+                != (velocity_rule(scheme) == VelocityRule::HalfStep)
             && (self.scene.conventions.preset.is_some() || !self.scene.conventions.changes.is_empty())
         {
             let (rule, other) = match conventions.velocity {
-                VelocityRule::Synchronised => ("synchronised velocities", "VelocityVerlet"),
+                VelocityRule::Synchronised | VelocityRule::Extrapolated => {
+                    ("synchronised velocities", "VelocityVerlet")
+                }
                 VelocityRule::HalfStep => ("half-step velocities", "ClassicVelocityVerlet"),
             };
             self.warning(
@@ -417,9 +420,8 @@ impl Builder<'_> {
 /// Time of the velocities in forces under a scheme.
 fn velocity_rule(scheme: Scheme) -> VelocityRule {
     match scheme {
-        Scheme::VelocityVerlet | Scheme::ContactResolved | Scheme::SymplecticEuler => {
-            VelocityRule::Synchronised
-        }
+        Scheme::VelocityVerlet | Scheme::SymplecticEuler => VelocityRule::Synchronised,
+        Scheme::ContactResolved => VelocityRule::Extrapolated,
         Scheme::ClassicVelocityVerlet | Scheme::Leapfrog => VelocityRule::HalfStep,
     }
 }

@@ -17,6 +17,7 @@ mod laws;
 mod limits;
 mod model;
 mod outputs;
+mod place;
 mod resolution;
 mod schedule;
 mod single;
@@ -34,4 +35,5 @@ pub use model::{
     OutputKind, OutputPlan, Partner, Plan, Precision, SERIES, Scheme, Search, Slides, StagePlan,
     SubstrateMaterial, SubstratePlan, TimeStepPlan, WallPlan,
 };
+pub use place::{FEWEST_STEPS, Place, map_name};
 pub use single::SingleImpact;

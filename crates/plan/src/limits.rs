@@ -36,6 +36,7 @@ use std::f64::consts::PI;
 use granule_law_api::{Impact, PairContext, Slot, Span};
 
 use crate::model::{Composition, Dimensions, Partner, Plan, Scheme};
+use crate::place::Place;
 
 /// Stiffness and damping of a contact, as masses feel them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,6 +51,8 @@ struct Contact {
     tangential_damping: f64,
     /// Half a period of its fastest oscillation, or the duration of the contact \[s\].
     duration: Option<f64>,
+    /// The duration by the normal law alone \[s\].
+    normal_duration: Option<f64>,
 }
 
 /// Limits of the time step.
@@ -65,6 +68,8 @@ pub struct Limits {
     pub shortest_contact: Option<f64>,
     /// The contact that decides, in words.
     pub stiffest: String,
+    /// Where it lies in the maps of stability.
+    pub place: Option<Place>,
 }
 
 impl Limits {
@@ -83,6 +88,7 @@ pub fn limits(plan: &Plan) -> Limits {
         crowded: plan.bodies.len() + plan.walls.len() > 2,
         shortest_contact: None,
         stiffest: String::new(),
+        place: None,
     };
     for composition in &plan.compositions {
         let context = &composition.context;
@@ -98,6 +104,10 @@ pub fn limits(plan: &Plan) -> Limits {
                         contact.stiffness.max(contact.tangential_stiffness),
                         contact.damping.max(contact.tangential_damping),
                     );
+                    limits.place = contact.normal_duration.and_then(|duration| {
+                        let damping = 0.5 * contact.damping / (contact.stiffness * reduced_mass).sqrt();
+                        Place::of(composition, duration, damping, scheme)
+                    });
                 }
                 if let Some(duration) = contact.duration {
                     let shortest = limits.shortest_contact.map_or(duration, |least: f64| least.min(duration));
@@ -158,6 +168,9 @@ fn evaluate(composition: &Composition, reduced_mass: f64, reduced_radius: f64) -
         *damping += usable(scale.damping);
         // A dashpot alone has a time of decay, which the limits take care of, and no duration.
         if scale.stiffness > 0.0 && scale.duration > 0.0 && scale.duration.is_finite() {
+            if stage.slot == Slot::Normal {
+                contact.normal_duration = Some(scale.duration);
+            }
             contact.duration =
                 Some(contact.duration.map_or(scale.duration, |least| least.min(scale.duration)));
         }

@@ -7,6 +7,7 @@ use granule_scene::{EveryChoice, RunBlock, StepChoice};
 use crate::build::Builder;
 use crate::limits::{Limits, limits};
 use crate::model::{Partner, Plan, Scheme, Search, TimeStepPlan};
+use crate::place::FEWEST_STEPS;
 
 /// Up to this many bodies, looking at every pair is faster than a search structure.
 const FEW: usize = 16;
@@ -15,8 +16,6 @@ const SKIN: f64 = 0.2;
 /// Largest number of steps: beyond it, times are no longer exact multiples of the step.
 pub(crate) const MOST_STEPS: f64 = 9_007_199_254_740_992.0;
 
-/// Fewest steps in a contact that are taken without a warning.
-const FEWEST_STEPS: f64 = 10.0;
 /// Share of the largest stable step that an automatic step may reach.
 const SAFETY: f64 = 0.5;
 
@@ -191,10 +190,14 @@ fn judge(builder: &mut Builder<'_>, span: &Range<usize>, step: f64, limits: &Lim
         } else {
             limits.stiffest.clone()
         };
+        let here = limits.place.as_ref().map(|place| {
+            let crowded = limits.crowded && limits.packing < limits.pair;
+            place.describe(step, place.duration / limit, crowded) + "; "
+        });
         builder.error_help(
             span.clone(),
             format!("a time step of {step:e} s is unstable here: the largest is {limit:.6e} s"),
-            format!("{why}; `step: Auto()` chooses one"),
+            format!("{why}; {}`step: Auto()` chooses one", here.unwrap_or_default()),
         );
     } else if let Some(duration) = limits.shortest_contact
         && step * FEWEST_STEPS > duration
@@ -202,7 +205,13 @@ fn judge(builder: &mut Builder<'_>, span: &Range<usize>, step: f64, limits: &Lim
         builder.warning(
             span.clone(),
             format!("the shortest contact, {duration:.6e} s, has only {:.1} steps", duration / step),
-            format!("stable, but inaccurate: {FEWEST_STEPS} steps are few, 50 are usual"),
+            match &limits.place {
+                Some(place) => {
+                    let here = place.describe(step, FEWEST_STEPS, false);
+                    format!("stable, but inaccurate, 50 are usual; {here}")
+                }
+                None => format!("stable, but inaccurate: {FEWEST_STEPS} steps are few, 50 are usual"),
+            },
         );
     }
 }

@@ -5,6 +5,7 @@
 //! | Subject | Start at |
 //! |---|---|
 //! | A figure with axes | [`Plot`], [`Plot::to_svg`] |
+//! | A map of classes | [`ClassMap`], [`ClassMap::to_svg`] |
 //! | A picture of the spheres | [`ScenePicture`], [`ScenePicture::to_svg`] |
 //! | A page or a log | [`Document`], [`Document::to_html`], [`Document::to_markdown`] |
 //! | What ran, where, how long | [`Manifest`] |
@@ -17,6 +18,7 @@ mod error;
 mod html;
 mod machine;
 mod manifest;
+mod map;
 mod markdown;
 mod number;
 mod picture;
@@ -31,6 +33,7 @@ pub use document::{Align, Block, Cell, Column, Document, Status, Table};
 pub use error::ReportError;
 pub use machine::Machine;
 pub use manifest::{Build, Counts, Manifest, OutputFile, Phase, SceneRecord, text_hash};
+pub use map::{ClassMap, MapClass, MapLine};
 pub use number::{format_duration, format_number};
 pub use picture::{ScenePicture, View};
 pub use plot::{Axis, Plot, Scale, Series, SkippedPoints, Style};

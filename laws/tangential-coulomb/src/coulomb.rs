@@ -22,7 +22,8 @@ const FRICTION: ParamSpec = ParamSpec {
 /// inertia factors q the smallest. Forces that see the velocity which they are about to change (half-step velocities) use
 /// θ = 1: the slip stops at zero in one step. Forces that see synchronised velocities lag half a step behind; θ = 1 would
 /// leave an undamped oscillation, and θ = 2/3 is the value under which the remaining slip dies out fastest, by
-/// 1/sqrt(3) a step. Without a step (Δt = 0) the force is the printed one, and zero at rest.
+/// 1/sqrt(3) a step. Where the velocity is predicted with an acceleration extrapolated from the last two steps, that value is
+/// 1/3, with 1/sqrt(2) a step, and the slip grows beyond θ = 1/2. Without a step (Δt = 0) the force is the printed one, and zero at rest.
 pub struct Coulomb;
 
 impl ContactLaw for Coulomb {
@@ -50,6 +51,7 @@ impl ContactLaw for Coulomb {
         let share = match pair.conventions.velocity {
             VelocityRule::HalfStep => 1.0,
             VelocityRule::Synchronised => 2.0 / 3.0,
+            VelocityRule::Extrapolated => 1.0 / 3.0,
         };
         let friction = T::of(params.value(&FRICTION)?);
         let stopping = T::of(share / (1.0 + 1.0 / pair.inertia_factor.min));

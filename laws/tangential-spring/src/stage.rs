@@ -79,7 +79,7 @@ impl<T: Real, const UPDATE: u8, const TEST: u8, const DAMPED: bool> Spring<T, UP
             friction: T::of(model.friction),
             repulsive: conventions.coulomb_cap == CoulombCap::Repulsive,
             before: match conventions.velocity {
-                VelocityRule::Synchronised => T::of(0.5),
+                VelocityRule::Synchronised | VelocityRule::Extrapolated => T::of(0.5),
                 VelocityRule::HalfStep => T::ONE,
             },
         }

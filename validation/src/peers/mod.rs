@@ -32,4 +32,4 @@ pub use model::{
 };
 pub use process::{RunOptions, find_binary, last_lines, peak_resident, processor_seconds};
 pub use record::{Record, today};
-pub use run::{PeerRun, Timed, run, time};
+pub use run::{Attempt, PeerRun, Timed, attempt, run, time};

@@ -53,6 +53,36 @@ pub fn run(scene: &PeerScene, folder: &Path, options: &RunOptions) -> Result<Pee
     Ok(PeerRun { engine, version, command, inputs: files.hash(), loop_seconds, frames })
 }
 
+/// What an engine left that may have been told nonsense.
+#[derive(Clone, Debug, Default)]
+pub struct Attempt {
+    /// Dumped frames, as far as they can be read.
+    pub frames: Vec<Frame>,
+    /// Lines with warnings.
+    pub warnings: Vec<String>,
+}
+
+/// Runs inputs that may make no sense, for ten seconds at most: nothing of the answer is checked.
+///
+/// # Errors
+/// The engine is missing, stops with an error or does not end, or files cannot be written.
+pub fn attempt(files: &InputFiles, folder: &Path) -> Result<Attempt, PeerError> {
+    let file = |path: &Path, error| PeerError::File(path.to_path_buf(), error);
+    // What an earlier run left must not pass for this one's.
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).map_err(|error| file(folder, error))?;
+    }
+    std::fs::create_dir_all(folder).map_err(|error| file(folder, error))?;
+    files.write(folder)?;
+    let options = RunOptions { timeout: std::time::Duration::from_secs(10), ..RunOptions::default() };
+    let finished = run_script(files.engine, files.script_name, folder, &options)?;
+    let warnings = finished.output.lines().filter(|line| line.contains("WARNING"));
+    let warnings = warnings.map(str::to_owned).collect();
+    let dump = std::fs::read_to_string(folder.join(DUMP)).unwrap_or_default();
+    let frames = dump::frames(&dump).unwrap_or_default();
+    Ok(Attempt { frames, warnings })
+}
+
 /// What a run for timing tells.
 #[derive(Clone, Debug)]
 pub struct Timed {

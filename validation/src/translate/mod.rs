@@ -18,7 +18,7 @@ use granule_plan::{Dimensions, Partner, Plan};
 use serde::Deserialize;
 
 use self::moduli::Moduli;
-use crate::peers::{Axis, PeerBody, PeerLaw, PeerScene, PeerWall, Quantity, Side, Tuning};
+use crate::peers::{Axis, Engine, PeerBody, PeerLaw, PeerScene, PeerWall, Quantity, Side, Tuning};
 
 /// A peer, with the family of commands that it is told a scene in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -34,6 +34,14 @@ pub enum Target {
 impl Target {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::LammpsClassic, Self::LammpsGranular, Self::Liggghts];
+
+    /// The engine.
+    pub fn engine(self) -> Engine {
+        match self {
+            Self::LammpsClassic | Self::LammpsGranular => Engine::Lammps,
+            Self::Liggghts => Engine::Liggghts,
+        }
+    }
 
     /// Name in reports and in names of files.
     pub fn name(self) -> &'static str {

@@ -53,7 +53,9 @@ fn spread(index: usize) -> [f64; 3] {
     std::array::from_fn(|axis| (0.5 + share.powi(axis as i32 + 1) * index as f64).fract())
 }
 
-fn sizes(lab: &Lab, small: usize) -> Result<String, String> {
+/// Ten spheres of 100 mm, and this many of 0.1 mm: a third in a dense cloud in which they touch each other, the rest
+/// everywhere.
+pub fn crowd(small: usize) -> Vec<Ball> {
     let mut balls: Vec<Ball> = (0..10)
         .map(|k| Ball {
             radius: 0.1,
@@ -62,12 +64,24 @@ fn sizes(lab: &Lab, small: usize) -> Result<String, String> {
         })
         .collect();
     for k in 0..small {
-        // A third of them in a dense cloud in which they touch each other, the rest everywhere.
         let wide = if k % 3 == 0 { 0.003 * (small as f64 / 5_000.0).cbrt() } else { 1.0 };
         balls.push(Ball { radius: 1e-4, mass: 1e-9, ..ball(spread(k).map(|c| wide * c), [0.0; 3]) });
     }
+    balls
+}
+
+/// 64 spheres of 20 mm with speeds of up to 1 km/s along each axis, in a cube of 0.3 m.
+pub fn swarm() -> Vec<Ball> {
+    let fast = |k| {
+        let velocity = spread(500 + k).map(|c| 2000.0 * (c - 0.5));
+        Ball { radius: 0.02, ..ball(spread(k).map(|c| 0.3 * c), velocity) }
+    };
+    (0..64).map(fast).collect()
+}
+
+fn sizes(lab: &Lab, small: usize) -> Result<String, String> {
     let text = scene(
-        &balls,
+        &crowd(small),
         "normal: LinearSpringDashpot(stiffness: 1e-3, restitution: 0.8)",
         "allow_overlap: true, driver: TimeStep(), run: (steps: 0)",
     );
@@ -83,14 +97,8 @@ fn sizes(lab: &Lab, small: usize) -> Result<String, String> {
 }
 
 fn faster_than_the_skin(lab: &Lab) -> Result<String, String> {
-    let balls: Vec<Ball> = (0..64)
-        .map(|k| {
-            let velocity = spread(500 + k).map(|c| 2000.0 * (c - 0.5));
-            Ball { radius: 0.02, ..ball(spread(k).map(|c| 0.3 * c), velocity) }
-        })
-        .collect();
     let text = scene(
-        &balls,
+        &swarm(),
         "normal: LinearSpringDashpot(stiffness: 1e4, restitution: 0.8)",
         "allow_overlap: true, cell: (lo: (0, 0, 0), hi: (0.3, 0.3, 0.3), periodic: (true, true, true)), driver: \
          TimeStep(step: 1e-5, skin: 1e-3), run: (steps: 500)",

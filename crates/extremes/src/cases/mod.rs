@@ -11,6 +11,8 @@ mod spin;
 
 use crate::Case;
 
+pub use many::{crowd, swarm};
+
 /// Every extreme, in the order in which it is told: by the files of this folder.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
     [

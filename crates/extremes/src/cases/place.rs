@@ -55,6 +55,13 @@ pub(super) const CASES: &[Case] = &[
         check: many_boxes,
     },
     Case {
+        name: "countless-boxes",
+        extreme: "a body that crosses the periodic cell 1e12 times in a step",
+        expected: "the run stops with the body: its place in the cell means nothing any more",
+        slow: false,
+        check: countless_boxes,
+    },
+    Case {
         name: "small-cell",
         extreme: "a periodic cell smaller than two diameters",
         expected: "refused: a pair would meet in two images",
@@ -204,6 +211,19 @@ fn many_boxes(lab: &Lab) -> Result<String, String> {
     // The position is a sum of a thousand steps of 0.37 m, at up to 370 m: 1000 ulps of 6e-14 m.
     ensure(worst < 1e-10, || format!("places off by {worst:e} m"))?;
     Ok(format!("places off by {worst:.0e} m"))
+}
+
+fn countless_boxes(lab: &Lab) -> Result<String, String> {
+    let text = scene(
+        &[ball([0.01, 0.05, 0.05], [1e16, 0.0, 0.0]), ball([0.05, 0.05, 0.02], [0.0; 3])],
+        "normal: LinearSpringDashpot(stiffness: 1e4, restitution: 0.8)",
+        "cell: (lo: (0, 0, 0), hi: (0.1, 0.1, 0.1), periodic: (true, true, true)), driver: TimeStep(step: 1e-5), run: \
+         (steps: 1000)",
+    );
+    match lab.run(&text) {
+        Err(why) if why.contains("body 1 has crossed the periodic cell") => Ok(format!("stopped: {why}")),
+        other => Err(format!("{other:?}")),
+    }
 }
 
 fn small_cell(lab: &Lab) -> Result<String, String> {

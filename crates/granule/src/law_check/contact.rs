@@ -105,7 +105,7 @@ fn integrate(
 ) -> Outcome {
     let mass = [impact.reduced_mass, impact.reduced_mass * q / (1.0 + q)];
     let lag = match plan.conventions.velocity {
-        VelocityRule::Synchronised => 0.5,
+        VelocityRule::Synchronised | VelocityRule::Extrapolated => 0.5,
         VelocityRule::HalfStep => 0.0,
     };
     let mut contact = Contact::new(composition, impact);
