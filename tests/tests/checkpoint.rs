@@ -1,8 +1,12 @@
 //! A run that is saved, ended, taken up again and continued has the bits of a run that was never interrupted.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
 use granule_drivers::{Driver, DriverState, restore};
+use granule_plan::Plan;
 use granule_tests::plan;
-use std::sync::atomic::AtomicBool;
 
 /// A frictional pile between walls that move: `laws` between the bodies, `driver` of the scene.
 fn pile(laws: &str, driver: &str, steps: u64) -> String {
@@ -47,19 +51,16 @@ fn same_bits_in_parts(name: &str, text: &str, parts: &[(u64, usize)]) {
     let mut driver = granule_drivers::driver(plan.clone(), Some(1)).unwrap();
     for (until, threads) in parts {
         advance(driver.as_mut(), *until);
-        let bytes = to_bytes(&driver.save().expect("the driver can be saved"));
+        let bytes = to_bytes(&driver.save());
         drop(driver);
         let state = postcard::from_bytes(&bytes).unwrap();
         driver = restore(plan.clone(), Some(*threads), state).unwrap();
         assert_eq!(driver.step(), *until);
-        assert!(to_bytes(&driver.save().unwrap()) == bytes, "{name}: what was restored is what was saved");
+        assert!(to_bytes(&driver.save()) == bytes, "{name}: what was restored is what was saved");
     }
     advance(driver.as_mut(), steps);
     assert_eq!(driver.result_hash(), whole.result_hash(), "{name}");
-    assert!(
-        to_bytes(&driver.save().unwrap()) == to_bytes(&whole.save().unwrap()),
-        "{name}: every byte of the state"
-    );
+    assert!(to_bytes(&driver.save()) == to_bytes(&whole.save()), "{name}: every byte of the state");
 }
 
 /// Parts that end in flight, at the first impacts and in the settled pile.
@@ -141,6 +142,95 @@ fn beads_on_a_substrate() {
     }
 }
 
+/// Hard spheres: a dense gas that starts on a lattice, where many pairs meet at the same moment; one that falls and cools
+/// between walls that move; one of two sizes with frozen obstacles in a periodic cell. Long enough that bodies are brought
+/// into a new order several times.
+#[test]
+fn hard_bodies_that_fly() {
+    let gas = r#"(version: 1, seed: 3, materials: { "a": (density: 2500) },
+        cell: (lo: (0, 0, 0), hi: ("12 mm", "12 mm", "12 mm"), periodic: (true, true, true)),
+        bodies: [Lattice(material: "a", radius: "0.4 mm", spacing: "1 mm", lo: (0, 0, 0), hi: ("11.9 mm", "11.9 mm", "11.9 mm"),
+            velocity_spread: 0.2)],
+        contacts: [(between: ("a", "a"), collision: HardSphere(restitution: 1))],
+        driver: Event(step: 1e-3), run: (steps: 900))"#;
+    same_bits_in_parts("gas", gas, &[(1, 1), (300, 1), (301, 2), (650, 1)]);
+    let lockstep = gas.replace("velocity_spread: 0.2", "velocity: (0.1, 0, 0)").replace(
+        "bodies: [",
+        r#"bodies: [Sphere(material: "a", radius: "0.05 mm", position: ("0.55 mm", "0.55 mm", "0.55 mm"), velocity: (0.5, 0.5, 0.5)),"#,
+    );
+    same_bits_in_parts("lockstep", &lockstep, &[(1, 1), (300, 1), (301, 2), (650, 1)]);
+    let falling = r#"(version: 1, seed: 3, gravity: (0, 0, -9.81), materials: { "a": (density: 2500), "b": (density: 900) },
+        cell: (lo: (0, 0, 0), hi: ("12 mm", "12 mm", inf), periodic: (true, true, false)),
+        bodies: [
+            Fill(material: "a", radius: Uniform(min: "0.3 mm", max: "0.5 mm"), count: 150, lo: (0, 0, "2 mm"),
+                hi: ("12 mm", "12 mm", "30 mm"), velocity_spread: 0.3),
+            Sphere(material: "b", radius: "1 mm", position: ("6 mm", "6 mm", "1.2 mm"), frozen: true),
+        ],
+        walls: { "floor": Plane(point: (0, 0, 0), normal: (0, 0, 1), material: "b",
+            motion: Sinusoidal(amplitude: (0, 0, "1 mm"), frequency: "30 Hz")) },
+        contacts: [
+            (between: ("a", "a"), collision: HardSphere(restitution: 0.9, friction: 0.2)),
+            (between: ("a", "b"), collision: HardSphere(restitution: 0.95, friction: 0.2)),
+        ],
+        driver: Event(step: 1e-3, contact_duration: 1e-5), run: (steps: 1500), ledger: true)"#;
+    same_bits_in_parts("falling", falling, &[(1, 1), (300, 1), (301, 2), (650, 1), (1400, 1)]);
+}
+
+/// Hard bodies that slide and roll along arcs between collisions, on a plate that is tilted and shaken.
+#[test]
+fn hard_bodies_that_slide_and_roll() {
+    let motion = "Sinusoidal(amplitude: (0.004, 0.001, 0), frequency: 5)";
+    for slides in ["Arcs()", "EffectiveRestitution"] {
+        let text = format!(
+            r#"(version: 1, seed: 5, gravity: (0, 0.3, -9.81), materials: {{ "a": (density: 7850), "b": (density: 7850) }},
+              cell: (lo: (0, 0, -inf), hi: (0.053, 0.12, inf), periodic: (false, true, false)),
+              bodies: [
+                Lattice(material: "a", radius: 2e-3, spacing: 4.5e-3, lo: (0.003, 0.003, 0.002),
+                    hi: (0.05, 0.048, 0.002), velocity_spread: 0.1),
+                Lattice(material: "b", radius: 2e-3, spacing: 4.5e-3, lo: (0.003, 0.0525, 0.002),
+                    hi: (0.05, 0.1, 0.002), velocity_spread: 0.1),
+              ],
+              walls: {{
+                "left": Plane(point: (0, 0, 0), normal: (1, 0, 0), material: "a", motion: {motion}),
+                "right": Plane(point: (0.053, 0, 0), normal: (-1, 0, 0), material: "a", motion: {motion}),
+              }},
+              substrate: (motion: {motion}, laws: {{
+                "a": StickSlip(static_friction: 0.5, kinetic_friction: 0.1, rolling_friction: 1e-3),
+                "b": StickSlip(static_friction: 0.5, kinetic_friction: 0.1, rolling_friction: 1e-2) }}),
+              contacts: [
+                (between: ("a", "a"), collision: HardSphere(restitution: 0.9, friction: 0.2)),
+                (between: ("a", "b"), collision: HardSphere(restitution: 0.9, friction: 0.2)),
+                (between: ("b", "b"), collision: HardSphere(restitution: 0.9, friction: 0.2)),
+              ],
+              driver: Event(step: 1e-3, slides: {slides}), run: (steps: 800), ledger: true)"#
+        );
+        same_bits_in_parts(slides, &text, &[(1, 1), (300, 1), (301, 2), (650, 1)]);
+    }
+}
+
+/// Any byte may be wrong: what can be read at all is refused or runs on, and nothing panics.
+fn harmless(plan: &Arc<Plan>, bytes: &[u8]) {
+    for at in (0..bytes.len()).step_by(bytes.len() / 400) {
+        let mut damaged = bytes.to_vec();
+        damaged[at] ^= 0x41;
+        let Ok(state) = postcard::from_bytes::<DriverState<'_>>(&damaged) else { continue };
+        if let Ok(mut driver) = restore(plan.clone(), Some(1), state) {
+            let until = driver.step().saturating_add(3).min(plan.driver.steps);
+            // A time that was changed to the far past would take as long as the run: it is stopped.
+            let stop = AtomicBool::new(false);
+            std::thread::scope(|scope| {
+                let watch = scope.spawn(|| {
+                    std::thread::park_timeout(Duration::from_millis(20));
+                    stop.store(true, Ordering::Relaxed);
+                });
+                let _ = driver.advance(until, &stop);
+                watch.thread().unpark();
+            });
+        }
+    }
+    assert!(postcard::from_bytes::<DriverState<'_>>(&bytes[..bytes.len() - 1]).is_err());
+}
+
 /// A state under another scene, or one that was changed, is refused and never used.
 #[test]
 fn what_does_not_fit_the_plan_is_refused() {
@@ -148,7 +238,7 @@ fn what_does_not_fit_the_plan_is_refused() {
     let plan = plan(&text);
     let mut driver = granule_drivers::driver(plan.clone(), Some(1)).unwrap();
     advance(driver.as_mut(), 1500);
-    let bytes = to_bytes(&driver.save().unwrap());
+    let bytes = to_bytes(&driver.save());
     let refused = |text: &str| {
         let state: DriverState<'_> = postcard::from_bytes(&bytes).unwrap();
         let error =
@@ -160,15 +250,18 @@ fn what_does_not_fit_the_plan_is_refused() {
     assert!(refused(&text.replace("density: 900", "density: 901")).contains("mass of a body"));
     assert!(refused(&text.replace("steps: 2000", "steps: 1000")).contains("step"));
     assert!(refused(&text.replace("VelocityVerlet", "Leapfrog")).len() > 10);
-    // Any byte may be wrong: what can be read at all is refused or runs on, and nothing panics.
-    for at in (0..bytes.len()).step_by(bytes.len() / 400) {
-        let mut damaged = bytes.clone();
-        damaged[at] ^= 0x41;
-        let Ok(state) = postcard::from_bytes::<DriverState<'_>>(&damaged) else { continue };
-        if let Ok(mut driver) = restore(plan.clone(), Some(1), state) {
-            let until = driver.step().saturating_add(3);
-            let _ = driver.advance(until.min(plan.driver.steps), &AtomicBool::new(false));
-        }
-    }
-    assert!(postcard::from_bytes::<DriverState<'_>>(&bytes[..bytes.len() - 1]).is_err());
+    harmless(&plan, &bytes);
+    let hard = granule_tests::plan(
+        r#"(version: 1, seed: 3, materials: { "a": (density: 2500) },
+        cell: (lo: (0, 0, 0), hi: ("12 mm", "12 mm", "12 mm"), periodic: (true, true, true)),
+        bodies: [Lattice(material: "a", radius: "0.4 mm", spacing: "2 mm", lo: (0, 0, 0), hi: ("11 mm", "11 mm", "11 mm"),
+            velocity_spread: 0.2)],
+        contacts: [(between: ("a", "a"), collision: HardSphere(restitution: 1))],
+        driver: Event(step: 1e-3), run: (steps: 300))"#,
+    );
+    let mut driver = granule_drivers::driver(hard.clone(), Some(1)).unwrap();
+    advance(driver.as_mut(), 200);
+    harmless(&hard, &to_bytes(&driver.save()));
+    let state: DriverState<'_> = postcard::from_bytes(&bytes).unwrap();
+    assert!(restore(hard, Some(1), state).is_err(), "the state of another driver");
 }

@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use granule_engine::{EngineError, SubstrateTally, Tally, Work};
-use granule_events::{BodyInput, BodyState, Counts, EventEngine, EventError, Setup, WallInput};
+use granule_events::{BodyInput, BodyState, Counts, EventEngine, EventError, EventState, Setup, WallInput};
 use granule_plan::{Dimensions, Partner, Plan};
 use granule_state::{Bodies, Layout};
 
 use crate::view::Snapshot;
-use crate::{Advance, Driver, DriverState, Timings, View};
+use crate::{Advance, Driver, DriverState, Moment, Timings, View};
 
 /// Events between two looks at the stop flag: some milliseconds.
 const STRIDE: u64 = 10_000;
@@ -32,6 +32,16 @@ impl EventDriver {
     pub fn new(plan: Arc<Plan>) -> Result<Self, EngineError> {
         let engine = EventEngine::new(&setup(&plan)?).map_err(failed)?;
         Ok(Self { engine, plan, step: 0, time: 0.0, spent: Duration::ZERO })
+    }
+
+    /// Goes on from a saved state.
+    ///
+    /// # Errors
+    /// The state does not fit the plan.
+    pub fn restore(plan: Arc<Plan>, at: Moment, state: EventState<'_>) -> Result<Self, EngineError> {
+        at.check(&plan)?;
+        let engine = EventEngine::restore(&setup(&plan)?, state).map_err(failed)?;
+        Ok(Self { engine, plan, step: at.step, time: at.time, spent: Duration::ZERO })
     }
 
     /// The engine, for tests and benchmarks.
@@ -91,8 +101,8 @@ impl Driver for EventDriver {
         View::of_events(&self.plan, self.step, self.time, self.snapshot())
     }
 
-    fn save(&self) -> Option<DriverState<'_>> {
-        None
+    fn save(&self) -> DriverState<'_> {
+        DriverState::Events(Moment { step: self.step, time: self.time }, self.engine.save())
     }
 
     fn timings(&self) -> Timings {

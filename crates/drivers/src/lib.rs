@@ -17,7 +17,7 @@ pub use event::EventDriver;
 pub use granule_engine::{ContactPartner, ContactRecord, EngineError, Tally, Work};
 pub use granule_events::Counts;
 pub use rolling::RollingDriver;
-pub use saved::{DriverState, restore};
+pub use saved::{DriverState, Moment, restore};
 pub use time_step::TimeStepDriver;
 pub use view::View;
 
@@ -54,8 +54,8 @@ pub trait Driver: Send {
     fn advance(&mut self, until: u64, stop: &AtomicBool) -> Result<Advance, EngineError>;
     /// What has been reached.
     fn view(&self) -> View<'_>;
-    /// What decides how the run goes on, for [`restore`]; `None` where the driver cannot be saved.
-    fn save(&self) -> Option<DriverState<'_>>;
+    /// What decides how the run goes on, for [`restore`].
+    fn save(&self) -> DriverState<'_>;
     /// Where the time went.
     fn timings(&self) -> Timings;
     /// Worker threads in use.

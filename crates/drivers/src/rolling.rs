@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use granule_engine::{EngineError, SubstrateTally, Tally};
-use granule_events::{Between, Counts, RollingEngine, RollingSetup};
+use granule_events::{Between, Counts, RollingEngine, RollingSetup, RollingState};
 use granule_plan::{Plan, Slides};
 
 use crate::event::{bodies, failed, setup, work};
 use crate::view::Snapshot;
-use crate::{Advance, Driver, DriverState, Timings, View};
+use crate::{Advance, Driver, DriverState, Moment, Timings, View};
 
 /// Events between two looks at the stop flag: some milliseconds.
 const STRIDE: u64 = 10_000;
@@ -30,25 +30,18 @@ impl RollingDriver {
     /// # Errors
     /// [`EngineError::Events`]: bodies overlap, or the plan is for another driver.
     pub fn new(plan: Arc<Plan>) -> Result<Self, EngineError> {
-        let base = setup(&plan)?;
-        let (Some(substrate), Some(slides)) =
-            (&plan.substrate, plan.event.as_ref().and_then(|event| event.slides))
-        else {
-            return Err(EngineError::Events("this plan has no substrate".to_string()));
-        };
-        let friction = substrate
-            .materials
-            .iter()
-            .map(|material| material.as_ref().and_then(|material| material.stage.friction().cloned()))
-            .collect();
-        let between = match slides {
-            Slides::Arcs { error } => Between::Arcs { error },
-            Slides::EffectiveRestitution => Between::EffectiveRestitution,
-        };
-        let (height, motion, ledger) = (substrate.height, substrate.motion.clone(), plan.ledger);
-        let setup = RollingSetup { base, height, motion, friction, between, ledger };
-        let engine = RollingEngine::new(&setup).map_err(failed)?;
+        let engine = RollingEngine::new(&rolling_setup(&plan)?).map_err(failed)?;
         Ok(Self { engine, plan, step: 0, time: 0.0, spent: Duration::ZERO })
+    }
+
+    /// Goes on from a saved state.
+    ///
+    /// # Errors
+    /// The state does not fit the plan.
+    pub fn restore(plan: Arc<Plan>, at: Moment, state: RollingState<'_>) -> Result<Self, EngineError> {
+        at.check(&plan)?;
+        let engine = RollingEngine::restore(&rolling_setup(&plan)?, state).map_err(failed)?;
+        Ok(Self { engine, plan, step: at.step, time: at.time, spent: Duration::ZERO })
     }
 
     /// The engine, for tests and benchmarks.
@@ -114,8 +107,8 @@ impl Driver for RollingDriver {
         View::of_events(&self.plan, self.step, self.time, self.snapshot())
     }
 
-    fn save(&self) -> Option<DriverState<'_>> {
-        None
+    fn save(&self) -> DriverState<'_> {
+        DriverState::Rolling(Moment { step: self.step, time: self.time }, self.engine.save())
     }
 
     fn timings(&self) -> Timings {
@@ -125,4 +118,25 @@ impl Driver for RollingDriver {
     fn threads(&self) -> usize {
         1
     }
+}
+
+/// What the engine needs of a plan.
+fn rolling_setup(plan: &Plan) -> Result<RollingSetup, EngineError> {
+    let base = setup(plan)?;
+    let (Some(substrate), Some(slides)) =
+        (&plan.substrate, plan.event.as_ref().and_then(|event| event.slides))
+    else {
+        return Err(EngineError::Events("this plan has no substrate".to_string()));
+    };
+    let friction = substrate
+        .materials
+        .iter()
+        .map(|material| material.as_ref().and_then(|material| material.stage.friction().cloned()))
+        .collect();
+    let between = match slides {
+        Slides::Arcs { error } => Between::Arcs { error },
+        Slides::EffectiveRestitution => Between::EffectiveRestitution,
+    };
+    let (height, motion, ledger) = (substrate.height, substrate.motion.clone(), plan.ledger);
+    Ok(RollingSetup { base, height, motion, friction, between, ledger })
 }

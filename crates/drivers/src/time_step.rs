@@ -105,8 +105,8 @@ impl Driver for TimeStepDriver {
         View::new(&self.engine)
     }
 
-    fn save(&self) -> Option<DriverState<'_>> {
-        Some(DriverState::Steps(self.engine.save()))
+    fn save(&self) -> DriverState<'_> {
+        DriverState::Steps(Box::new(self.engine.save()))
     }
 
     fn timings(&self) -> Timings {

@@ -1,9 +1,11 @@
 //! Records of bodies, compact and aligned to cache lines.
 
+use serde::{Deserialize, Serialize};
+
 use crate::two::Two;
 
 /// What every prediction reads: one cache line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct Body {
     /// Centre at the local time \[m\]; in the cell or near it.
@@ -41,7 +43,7 @@ impl Twins {
 }
 
 /// What only collisions and outputs read.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Identity {
     /// 1/m \[1/kg\]; 0 for a frozen body.
     pub inverse_mass: f64,
@@ -56,7 +58,7 @@ pub struct Identity {
 }
 
 /// A sphere that the body does not leave before its next look at the neighbourhood.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 #[repr(C, align(32))]
 pub struct Shell {
     /// Centre \[m\].

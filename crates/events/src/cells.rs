@@ -1,5 +1,7 @@
 //! A grid of the shells, to find new neighbours.
 
+use serde::{Deserialize, Serialize};
+
 use crate::prefetch::prefetch;
 use crate::two::below;
 
@@ -10,7 +12,7 @@ const ROOM: usize = 7;
 const LANES: usize = 8;
 
 /// Bodies of a cell with the centres of their shells, relative to the corner of the grid; not a number in empty lanes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 struct Bucket {
     body: [u32; LANES],
@@ -26,7 +28,7 @@ const EMPTY: Bucket =
 ///
 /// Centres are kept in single precision and within the box, which brings none of them farther apart than they are, so that
 /// a search finds a few bodies too many and never one too few.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Cells {
     lo: [f64; 3],
     length: [f64; 3],
@@ -68,6 +70,42 @@ impl Cells {
         self.buckets.resize(self.count[0] * self.count[1] * self.count[2], EMPTY);
         self.slots.clear();
         self.slots.resize(bodies, NIL);
+    }
+
+    /// True if this is a grid of `bodies` bodies, whatever file it comes from.
+    pub fn is_whole(&self, bodies: usize) -> bool {
+        let numbers = [self.lo, self.length, self.inverse_width];
+        let cells = self.count.iter().try_fold(1, |cells: usize, count| cells.checked_mul(*count));
+        let shaped = numbers.as_flattened().iter().all(|number| number.is_finite())
+            && self.slack.is_finite()
+            && cells.is_some_and(|cells| (1..=self.buckets.len()).contains(&cells))
+            && self.slots.len() == bodies;
+        let Some(cells) = cells.filter(|_| shaped) else { return false };
+        // No bucket follows two others, or itself.
+        let mut seen = vec![false; self.buckets.len()];
+        for cell in 0..cells {
+            let mut at = cell;
+            while !std::mem::replace(&mut seen[at], true) {
+                match self.buckets[at].body[ROOM] {
+                    NIL => break,
+                    next if (next as usize) < self.buckets.len() && !seen[next as usize] => {
+                        at = next as usize
+                    }
+                    _ => return false,
+                }
+            }
+        }
+        let lane = |bucket: &Bucket, lane: usize| {
+            let body = bucket.body[lane];
+            // A search takes whatever lies near: only bodies may.
+            if lane == ROOM || body == NIL { bucket.x[lane].is_nan() } else { (body as usize) < bodies }
+        };
+        let placed = |(body, slot): (usize, &u32)| {
+            let (bucket, lane) = (*slot as usize / LANES, *slot as usize % LANES);
+            self.buckets.get(bucket).is_some_and(|bucket| bucket.body[lane] as usize == body && lane < ROOM)
+        };
+        self.buckets.iter().all(|bucket| (0..LANES).all(|at| lane(bucket, at)))
+            && self.slots.iter().enumerate().all(placed)
     }
 
     pub fn bytes(&self) -> usize {

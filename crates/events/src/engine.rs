@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use granule_geometry::Cell;
 use granule_law_api::CollisionRule;
+use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, Identity, Period, Shell};
 use crate::cells::Cells;
@@ -26,7 +27,7 @@ const MOST_WALLS: usize = 0xFF00;
 const STALL: (u64, u64) = (1000, 1_000_000);
 
 /// What the next event of a body is.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Target {
     /// Body, wall, or one of the constants above.
     pub partner: u32,
@@ -128,7 +129,7 @@ pub struct EventEngine {
     pub(crate) now: f64,
     pub(crate) counts: Counts,
     pub(crate) since: u64,
-    window: (f64, u64),
+    pub(crate) window: (f64, u64),
 }
 
 impl EventEngine {

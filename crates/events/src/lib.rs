@@ -16,11 +16,13 @@ mod queue;
 mod renumber;
 mod report;
 mod rolling;
+mod saved;
 mod setup;
 mod two;
 mod wall;
 
 pub use engine::{BodyState, EventEngine, Tuning};
 pub use report::{Counts, HARD_LIMIT};
-pub use rolling::{Between, RollingEngine, RollingSetup, RollingTally, RollingWork};
+pub use rolling::{Between, RollingEngine, RollingSetup, RollingState, RollingTally, RollingWork};
+pub use saved::EventState;
 pub use setup::{BodyInput, EventError, Setup, WallInput};

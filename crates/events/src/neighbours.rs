@@ -1,5 +1,7 @@
 //! Neighbours of each body: short lists in blocks of two cache lines.
 
+use serde::{Deserialize, Serialize};
+
 use crate::prefetch::prefetch;
 
 /// Numbers in a block: a count, the next block, and the neighbours.
@@ -12,7 +14,7 @@ const ROOM: usize = WORDS - FIRST;
 const ROOM_OF_LINE: usize = WORDS / 2 - FIRST;
 const NIL: u32 = u32::MAX;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 struct Block([u32; WORDS]);
 
@@ -36,13 +38,15 @@ const EMPTY: Block = {
 };
 
 /// For each body the bodies that it may touch before it leaves its shell. Neighbours are mutual.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Neighbours {
     /// The first block of each body, then further ones.
     blocks: Vec<Block>,
     bodies: usize,
     /// Room for comparing lists.
+    #[serde(skip)]
     old: Vec<u32>,
+    #[serde(skip)]
     wanted: Vec<u32>,
 }
 
@@ -84,6 +88,34 @@ impl Neighbours {
         self.blocks.clear();
         self.blocks.resize(bodies, EMPTY);
         self.bodies = bodies;
+    }
+
+    /// True if these are lists of `bodies` bodies, whatever file they come from.
+    pub fn is_whole(&self, bodies: usize) -> bool {
+        if self.bodies != bodies || self.blocks.len() < bodies || self.blocks.len() >= NIL as usize {
+            return false;
+        }
+        let mut seen = vec![false; self.blocks.len()];
+        for body in 0..bodies {
+            let mut at = body;
+            loop {
+                let Block(words) = &self.blocks[at];
+                let count = words[0] as usize;
+                let known = |other: &u32| (*other as usize) < bodies && *other as usize != body;
+                // Places that are not in use hold no body.
+                let right = !std::mem::replace(&mut seen[at], true)
+                    && count <= ROOM
+                    && words[FIRST..FIRST + count].iter().all(known)
+                    && words[FIRST + count..].iter().all(|word| *word == NIL);
+                match words[NEXT] {
+                    _ if !right => return false,
+                    NIL => break,
+                    next if (next as usize) < self.blocks.len() => at = next as usize,
+                    _ => return false,
+                }
+            }
+        }
+        true
     }
 
     pub fn bytes(&self) -> usize {

@@ -102,6 +102,19 @@ impl<P: Copy> Calendar<P> {
         (node.time, node.payload)
     }
 
+    /// All events, by body.
+    pub fn events(&self) -> Vec<(f64, P)> {
+        self.nodes.iter().map(|node| (node.time, node.payload)).collect()
+    }
+
+    /// Takes over all events, by body. Their order in time is the same however they lie in buckets.
+    pub fn restore(&mut self, events: &[(f64, P)]) {
+        for (node, (_, payload)) in self.nodes.iter_mut().zip(events) {
+            node.payload = *payload;
+        }
+        self.fill(&events.iter().map(|(time, _)| *time).collect::<Vec<f64>>());
+    }
+
     /// Payload of a body, to be changed in place.
     #[inline]
     pub fn payload_mut(&mut self, body: u32) -> &mut P {

@@ -1,7 +1,9 @@
 //! What happened, in numbers.
 
+use serde::{Deserialize, Serialize};
+
 /// Counts and sums since the start of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
     /// Collisions of two bodies.
     pub collisions: u64,

@@ -14,10 +14,12 @@ mod impact;
 mod neighbourhood;
 mod plate;
 mod predict;
+mod saved;
 mod setup;
 mod side;
 mod touch;
 
 pub use account::{RollingTally, RollingWork};
 pub use engine::RollingEngine;
+pub use saved::RollingState;
 pub use setup::{Between, RollingSetup};

@@ -89,6 +89,8 @@ pub enum EventError {
         /// Simulated time \[s\].
         time: f64,
     },
+    /// A saved state does not fit the setup; the part that does not.
+    Saved(&'static str),
     /// Events follow each other without end: bodies are crushed.
     Stalled {
         /// Simulated time \[s\].
@@ -117,6 +119,9 @@ impl std::fmt::Display for EventError {
             }
             Self::Overlap { id, other: Err(wall), overlap } => {
                 write!(f, "body {id} overlaps wall {wall} by {overlap:e} m: hard bodies cannot")
+            }
+            Self::Saved(what) => {
+                write!(f, "the saved state does not fit the scene, or is damaged: {what}")
             }
             Self::NotFinite { id, time } => {
                 write!(f, "the motion of body {id} is not finite at time {time:e} s")

@@ -146,13 +146,12 @@ impl Keeper {
             || wall.is_some_and(|wall| self.last.elapsed() >= wall)
     }
 
-    /// Keeps the state of a run, and removes the checkpoints that are too many. The path of the file; `None` if the driver
-    /// cannot be saved.
+    /// Keeps the state of a run, and removes the checkpoints that are too many. The path of the file.
     ///
     /// # Errors
     /// Something cannot be written; earlier checkpoints are as they were.
-    pub fn keep(&mut self, driver: &dyn Driver, observers: &Observers) -> Result<Option<PathBuf>, KeepError> {
-        let Some(state) = driver.save() else { return Ok(None) };
+    pub fn keep(&mut self, driver: &dyn Driver, observers: &Observers) -> Result<PathBuf, KeepError> {
+        let state = driver.save();
         let path = self.directory.join(format!("{PREFIX}{:016}.{EXTENSION}", driver.step()));
         // What the marks speak of reaches the disk before the checkpoint.
         self.head.marks = observers.marks().map_err(|error| KeepError(error.to_string()))?;
@@ -174,7 +173,7 @@ impl Keeper {
             // One too many does no harm.
             let _ = std::fs::remove_file(old);
         }
-        Ok(Some(path))
+        Ok(path)
     }
 
     /// Removes all checkpoints: the run is complete.

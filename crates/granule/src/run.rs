@@ -404,7 +404,7 @@ impl Run {
     fn keep(&mut self) -> Result<(), Failure> {
         let Some(keeper) = &mut self.keeper else { return Ok(()) };
         let before = Instant::now();
-        self.kept = keeper.keep(self.driver.as_ref(), &self.observers).map_err(Failure::Keep)?;
+        self.kept = Some(keeper.keep(self.driver.as_ref(), &self.observers).map_err(Failure::Keep)?);
         self.output_time += before.elapsed();
         Ok(())
     }

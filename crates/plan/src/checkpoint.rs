@@ -13,17 +13,8 @@ pub(crate) fn checkpoint(builder: &mut Builder<'_>, plan: &mut Plan) {
     let asked = builder.scene.checkpoint.as_ref();
     plan.checkpoint = match asked {
         Some(CheckpointChoice::Never) => None,
-        None if plan.event.is_some() => None,
         None => Some(CheckpointPlan { every: None, wall: Some(WALL), keep: 2 }),
-        Some(CheckpointChoice::Kept { span, .. }) if plan.event.is_some() => {
-            builder.error_help(
-                span.clone(),
-                "the event-driven driver cannot keep its state",
-                "`checkpoint: Never`, or the driver TimeStep",
-            );
-            None
-        }
-        Some(CheckpointChoice::Kept { every, wall, keep, .. }) => {
+        Some(CheckpointChoice::Kept { every, wall, keep }) => {
             let every =
                 every.as_ref().map(|every| crate::outputs::interval(builder, every, plan.driver.step));
             let wall = wall.or(every.is_none().then_some(WALL));
@@ -31,7 +22,6 @@ pub(crate) fn checkpoint(builder: &mut Builder<'_>, plan: &mut Plan) {
         }
     };
     let why = match &plan.checkpoint {
-        None if asked.is_none() => "the event-driven driver cannot keep its state".to_string(),
         None => "the scene asks for none: a run that is stopped cannot be continued".to_string(),
         Some(checkpoint) => {
             let every = checkpoint.every.map(|steps| format!("every {steps} steps"));

@@ -1,11 +1,13 @@
 //! What the bodies do, and what the plate does to their energy.
 
+use serde::{Deserialize, Serialize};
+
 use super::engine::{Gait, RollingEngine};
 use super::plate::{dot, sum};
 use crate::engine::BodyState;
 
 /// Work and dissipation of the plate since the start \[J\]; zero without the ledger.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RollingWork {
     /// Dissipated by slip.
     pub sliding: f64,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use granule_geometry::Cell;
 use granule_law_api::SurfaceFriction;
+use serde::{Deserialize, Serialize};
 
 use super::account::RollingWork;
 use super::plate::{Plate, Vector, sum};
@@ -29,7 +30,7 @@ pub(super) const AGAIN: u32 = u32::MAX - 2;
 const STALL: (u64, u64) = (1000, 1_000_000);
 
 /// What a body's next event is.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Aim {
     /// Body, wall, or one of the constants above.
     pub partner: u32,
@@ -40,7 +41,7 @@ pub(super) struct Aim {
 }
 
 /// What a body does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Gait {
     Frozen,
     Sliding,
@@ -49,7 +50,7 @@ pub(super) enum Gait {
 }
 
 /// Why a piece ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum End {
     /// It is long enough.
     Long,
@@ -62,7 +63,7 @@ pub(super) enum End {
 }
 
 /// Where a centre is: place + velocity τ + acceleration τ²/2 + share D(time + τ).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub(super) struct Path {
     pub time: f64,
@@ -73,7 +74,7 @@ pub(super) struct Path {
 }
 
 /// The rest of a piece.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Piece {
     pub gait: Gait,
     pub(super) end_by: End,
@@ -89,7 +90,7 @@ pub(super) struct Piece {
 }
 
 /// What never changes about a body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Fixed {
     pub id: u32,
     pub material: u16,
@@ -155,7 +156,7 @@ pub struct RollingEngine {
     pub(super) counts: Counts,
     pub(super) work: RollingWork,
     pub(super) pieces_begun: u64,
-    window: (f64, u64),
+    pub(super) window: (f64, u64),
 }
 
 impl RollingEngine {

@@ -135,7 +135,6 @@ pub fn checkpoint(r: &mut Reader, node: Node<'_>) -> Option<CheckpointChoice> {
         every: every?,
         wall: wall?.map(|wall| wall.value),
         keep: keep?.map_or(2, |keep| keep.value as u32),
-        span: node.span(),
     })
 }
 

@@ -1,7 +1,5 @@
 //! When the state of a run is kept, as a scene says it.
 
-use std::ops::Range;
-
 use super::{EveryChoice, Spanned};
 
 /// `checkpoint: (..)` or `checkpoint: Never`.
@@ -17,7 +15,5 @@ pub enum CheckpointChoice {
         wall: Option<f64>,
         /// How many checkpoints are kept.
         keep: u32,
-        /// Where the block stands.
-        span: Range<usize>,
     },
 }
