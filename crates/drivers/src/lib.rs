@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 pub use event::EventDriver;
-pub use granule_engine::{ContactPartner, ContactRecord, EngineError, Tally, Work};
+pub use granule_engine::{ContactForce, ContactPartner, ContactRecord, EngineError, Tally, Work};
 pub use granule_events::Counts;
 pub use rolling::RollingDriver;
 pub use saved::{DriverState, Moment, restore};

@@ -1,6 +1,6 @@
 //! A read-only view of a run at one moment.
 
-use granule_engine::{ContactRecord, Engine, SubstrateTally, Tally, Work};
+use granule_engine::{ContactForce, ContactRecord, Engine, SubstrateTally, Tally, Work};
 use granule_events::Counts;
 use granule_plan::Plan;
 use granule_state::Bodies;
@@ -106,6 +106,15 @@ impl<'a> View<'a> {
     pub fn contacts(&self) -> Vec<ContactRecord> {
         match &self.source {
             Source::Steps(engine) => engine.contacts(),
+            Source::Events(_) => Vec::new(),
+        }
+    }
+
+    /// What each contact did in the last force evaluation, ordered by identities; only where an output of the plan shows it,
+    /// and never for hard bodies.
+    pub fn contact_forces(&self) -> Vec<ContactForce> {
+        match &self.source {
+            Source::Steps(engine) => engine.contact_forces(),
             Source::Events(_) => Vec::new(),
         }
     }

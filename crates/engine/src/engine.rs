@@ -16,7 +16,7 @@ use crate::resolve::StepRows;
 use crate::saved::EngineState;
 use crate::slices::{Rows, sweep, visit};
 use crate::substrate::{self, SubstrateTally};
-use crate::tally::{ContactPartner, ContactRecord, Tally, Work};
+use crate::tally::{ContactForce, ContactPartner, ContactRecord, Tally, Work};
 use crate::tile::{Evaluation, shared, tile_size};
 use crate::walls::MovedWall;
 
@@ -309,6 +309,15 @@ impl Engine {
         contacts
     }
 
+    /// What each contact did in the last force evaluation, ordered by identities: there if an output of the plan shows it, and
+    /// after the last step of an advance.
+    pub fn contact_forces(&self) -> Vec<ContactForce> {
+        let records = self.lists.tiles.iter().flat_map(|tile| &tile.records);
+        let mut forces: Vec<ContactForce> = records.map(|record| record.told(&self.bodies)).collect();
+        forces.sort_by_key(|contact| (contact.id, contact.partner));
+        forces
+    }
+
     fn integrate(&mut self, kind: Sweep) -> Result<(), EngineError> {
         if self.plan.substrate.is_some() && kind != Sweep::Begin {
             // The surface answers to the motion at the end of the step, before the next one begins.
@@ -428,6 +437,7 @@ impl Engine {
             now: *evaluation,
             ledger: plan.ledger,
             overlap: observe,
+            records: observe && plan.shows_contacts(),
             resolved: resolves.then_some(StepRows {
                 previous: &bodies.previous_acceleration,
                 previous_angular: &bodies.previous_angular_acceleration,

@@ -126,6 +126,25 @@ pub enum ContactPartner {
     Wall(u32),
 }
 
+/// What a contact did in the last force evaluation, seen from the body whose identity is smaller.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactForce {
+    /// Identity of body i.
+    pub id: u32,
+    /// The other side.
+    pub partner: ContactPartner,
+    /// Overlap δ \[m\].
+    pub overlap: f64,
+    /// Unit normal from j to i.
+    pub normal: [f64; 3],
+    /// Force along the normal on i \[N\]; positive pushes the bodies apart.
+    pub normal_force: f64,
+    /// Force across the normal on i \[N\].
+    pub tangential_force: [f64; 3],
+    /// Torque of laws such as rolling friction on i, without that of the tangential force \[N m\].
+    pub torque: [f64; 3],
+}
+
 /// One contact, as observers see it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactRecord {

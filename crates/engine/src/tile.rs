@@ -9,6 +9,7 @@ use crate::gather::{Changes, find_contacts, gather_kinematics};
 use crate::history::PairHistory;
 use crate::level::{Arena, Arithmetic, Level};
 use crate::list::ForceList;
+use crate::records::{self, Record, Written};
 use crate::resolve::{Impulse, Marks, Path, Resolver, StepRows, history_before};
 use crate::scatter::{Sums, scatter};
 use crate::space::Space;
@@ -81,6 +82,8 @@ pub(crate) struct Tile {
     pub impulses: Vec<Impulse>,
     /// Which pairs touched, for a scheme that wants to know.
     pub marks: Marks,
+    /// What its contacts do, where somebody wants to see it.
+    pub records: Vec<Record>,
     pub tally: Tally,
 }
 
@@ -102,6 +105,8 @@ pub(crate) struct Evaluation<'a> {
     pub ledger: bool,
     /// The largest overlap is sought.
     pub overlap: bool,
+    /// What each contact does is kept.
+    pub records: bool,
     /// The step whose contacts are resolved where they begin and end, if they are.
     pub resolved: Option<StepRows<'a>>,
     /// Pairs that touch are marked.
@@ -142,6 +147,7 @@ impl Tile {
     pub fn evaluate(&mut self, level: &Level, at: &Evaluation<'_>, force: &mut [Row], torque: &mut [Row]) {
         self.tally.reset();
         self.impulses.clear();
+        self.records.clear();
         if at.marks {
             self.marks.begin(self.inner.len(), self.inner_ranges.len());
         }
@@ -226,6 +232,10 @@ impl Tile {
         }
         let tangential = composition.writes.contains(Columns::TANGENTIAL_FORCE);
         let rolls = composition.writes.contains(Columns::TORQUE);
+        if at.records {
+            let written = Written { tangential, torque: rolls };
+            records::keep(&mut self.records, batch, self.first, false, written);
+        }
         let mut sums = Sums { force, torque, outbox: &mut self.outbox };
         scatter::<S, T, L>(batch, &mut sums, tangential, rolls, at.radius.is_some());
     }

@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use crate::chunk::{BATCH, Batch, share};
 use crate::history::PairHistory;
 use crate::level::{Arena, Arithmetic};
+use crate::records::{self, Written};
 use crate::resolve::{Path, Resolver, history_before};
 use crate::scatter::wrenches;
 use crate::space::Space;
@@ -144,6 +145,10 @@ impl Tile {
             self.tally.maximum_overlap = self.tally.maximum_overlap.max(batch.maximum_overlap());
         }
         let rolls = composition.writes.contains(Columns::TORQUE);
+        if at.records {
+            let written = Written { tangential, torque: rolls };
+            records::keep(&mut self.records, batch, self.first, true, written);
+        }
         for g in 0..batch.groups() {
             let wrenches = wrenches::<S, T, L>(batch, g, tangential, rolls, true);
             let (mut forces, mut torques) = ([Row::ZERO; 4], [Row::ZERO; 4]);

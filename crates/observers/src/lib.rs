@@ -4,6 +4,7 @@
 //! plain functions of a view, for whoever wants a number rather than a file.
 
 mod body_series;
+mod contacts;
 mod data_file;
 mod dump;
 mod energy;
@@ -16,6 +17,7 @@ mod snapshot;
 mod vtk;
 
 pub use body_series::BodySeries;
+pub use contacts::ContactSeries;
 pub use data_file::DataFile;
 pub use dump::Dump;
 pub use energy::Energy;

@@ -7,7 +7,9 @@ use granule_formats::FormatError;
 use granule_plan::{OutputKind, OutputPlan, Plan};
 
 use crate::layer::{ImpactTable, LayerSeries, PairCorrelation};
-use crate::{BodySeries, DataFile, Dump, Mark, ObserveError, Observer, Provenance, Series, VtkSeries};
+use crate::{
+    BodySeries, ContactSeries, DataFile, Dump, Mark, ObserveError, Observer, Provenance, Series, VtkSeries,
+};
 
 /// An observer with the interval at which it looks.
 struct Scheduled {
@@ -183,6 +185,7 @@ fn sink(
         OutputKind::PairCorrelation { range, bins } => {
             Box::new(PairCorrelation::new(path, *range, *bins, provenance))
         }
+        OutputKind::Contacts => Box::new(ContactSeries::new(path, provenance)),
         OutputKind::Impacts { reach } => Box::new(ImpactTable::new(path, *reach, provenance)),
     })
 }

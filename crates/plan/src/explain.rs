@@ -321,6 +321,7 @@ fn outputs(out: &mut String, plan: &Plan) {
             OutputKind::PairCorrelation { range, bins } => {
                 format!("pair correlation up to {range:e} m in {bins} intervals")
             }
+            OutputKind::Contacts => "what each contact does".to_string(),
             OutputKind::Impacts { reach } => {
                 format!("table of impacts, density within {reach:e} m; looks")
             }

@@ -290,6 +290,8 @@ pub enum OutputKind {
         /// Intervals.
         bins: usize,
     },
+    /// CSV of what each contact does.
+    Contacts,
     /// CSV table of restitutions by density and speed.
     Impacts {
         /// Radius of the surroundings whose density counts \[m\].
@@ -383,6 +385,11 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// An output shows what each contact does.
+    pub fn shows_contacts(&self) -> bool {
+        self.outputs.iter().any(|output| output.kind == OutputKind::Contacts)
+    }
+
     /// Index of the composition between a body of `material` and a partner, if they interact. The order of two
     /// materials does not matter.
     pub fn composition(&self, material: u16, partner: Partner) -> Option<usize> {

@@ -80,14 +80,12 @@ pub(crate) fn outputs(builder: &mut Builder<'_>, plan: &mut Plan) {
             OutputChoice::PairCorrelation { range, bins } => {
                 OutputKind::PairCorrelation { range: *range, bins: *bins as usize }
             }
+            OutputChoice::Contacts => {
+                needs_contacts(builder, block, plan);
+                OutputKind::Contacts
+            }
             OutputChoice::Impacts { reach } => {
-                if plan.event.is_some() {
-                    builder.error_help(
-                        block.span.clone(),
-                        "the driver `Event` has no contacts that last, so no `Impacts`",
-                        "it is an output of `driver: TimeStep`",
-                    );
-                }
+                needs_contacts(builder, block, plan);
                 OutputKind::Impacts { reach: reach.unwrap_or(6.0 * largest(plan)) }
             }
         };
@@ -102,6 +100,17 @@ pub(crate) fn outputs(builder: &mut Builder<'_>, plan: &mut Plan) {
     builder.decide_one("energy ledger", plan.ledger, why);
 }
 
+/// Hard bodies have no contacts that last.
+fn needs_contacts(builder: &mut Builder<'_>, block: &OutputBlock, plan: &Plan) {
+    if plan.event.is_some() {
+        builder.error_help(
+            block.span.clone(),
+            format!("the driver `Event` has no contacts that last, so no `{}`", kind_name(&block.what)),
+            "it is an output of `driver: TimeStep`",
+        );
+    }
+}
+
 fn kind_name(what: &OutputChoice) -> &'static str {
     match what {
         OutputChoice::Series { .. } => "Series",
@@ -111,6 +120,7 @@ fn kind_name(what: &OutputChoice) -> &'static str {
         OutputChoice::LammpsData => "LammpsData",
         OutputChoice::Layer { .. } => "Layer",
         OutputChoice::PairCorrelation { .. } => "PairCorrelation",
+        OutputChoice::Contacts => "Contacts",
         OutputChoice::Impacts { .. } => "Impacts",
     }
 }

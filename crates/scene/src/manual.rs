@@ -55,6 +55,7 @@ const CHAPTERS: &[(&str, &str, &[&Block])] = &[
             &spec::DUMP_OUTPUT,
             &spec::VTK_OUTPUT,
             &spec::DATA_OUTPUT,
+            &spec::CONTACTS_OUTPUT,
             &spec::LAYER_OUTPUT,
             &spec::PAIR_CORRELATION_OUTPUT,
             &spec::IMPACTS_OUTPUT,

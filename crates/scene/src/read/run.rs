@@ -138,8 +138,17 @@ pub fn checkpoint(r: &mut Reader, node: Node<'_>) -> Option<CheckpointChoice> {
     })
 }
 
-const OUTPUTS: &[&str] =
-    &["Series", "Bodies", "LammpsDump", "Vtk", "LammpsData", "Layer", "PairCorrelation", "Impacts"];
+const OUTPUTS: &[&str] = &[
+    "Series",
+    "Bodies",
+    "LammpsDump",
+    "Vtk",
+    "LammpsData",
+    "Contacts",
+    "Layer",
+    "PairCorrelation",
+    "Impacts",
+];
 
 /// The list of outputs.
 pub fn outputs(r: &mut Reader, node: Node<'_>) -> Option<Blocks<OutputBlock>> {
@@ -156,6 +165,7 @@ fn output(r: &mut Reader, node: Node<'_>) -> Option<OutputBlock> {
         "Vtk" => &spec::VTK_OUTPUT,
         "Layer" => &spec::LAYER_OUTPUT,
         "PairCorrelation" => &spec::PAIR_CORRELATION_OUTPUT,
+        "Contacts" => &spec::CONTACTS_OUTPUT,
         "Impacts" => &spec::IMPACTS_OUTPUT,
         _ => &spec::DATA_OUTPUT,
     };
@@ -192,6 +202,7 @@ fn output(r: &mut Reader, node: Node<'_>) -> Option<OutputBlock> {
             let bins = bins.map(|bins| bins.map_or(100, |bins| bins.value as u32));
             range.zip(bins).map(|(range, bins)| OutputChoice::PairCorrelation { range, bins })
         }
+        "Contacts" => Some(OutputChoice::Contacts),
         "Impacts" => r.optional(&f, "reach", distance).map(|reach| OutputChoice::Impacts { reach }),
         _ => Some(OutputChoice::LammpsData),
     };

@@ -49,6 +49,8 @@ pub enum OutputChoice {
         /// Number of intervals.
         bins: u32,
     },
+    /// What each contact does.
+    Contacts,
     /// Restitution by density and speed.
     Impacts {
         /// Radius of the surroundings whose density counts \[m\].

@@ -45,3 +45,11 @@ pub const VTK_OUTPUT: Block = Block {
 
 pub const DATA_OUTPUT: Block =
     Block { name: "LammpsData", doc: "LAMMPS data file of the last state.", fields: &[PATH] };
+
+pub const CONTACTS_OUTPUT: Block = Block {
+    name: "Contacts",
+    doc: "CSV of what each contact does, one row a contact and entry, of `driver: TimeStep`: the two bodies (the smaller id first; \
+          partner -1 is a wall, counted from 0 in the order of `explain`), overlap, unit normal towards the first body, and on that body the \
+          normal force, the tangential force and the torque of laws such as rolling friction.",
+    fields: &[PATH, EVERY],
+};
