@@ -5,17 +5,29 @@ use std::ops::Range;
 use crate::ReferenceError;
 use crate::contact::{Contact, Kinematics, Response};
 
-/// More changes of state than these are chatter.
-pub(crate) const MOST_EVENTS: usize = 10_000;
 /// More steps than these are taken for no contact: at most some hundred are needed.
 const MOST_STEPS: usize = 200_000;
 
+/// Part of the contact's duration: moments at which its state changes are known this well. Forces may jump there.
+const SHORTEST: f64 = 1e-9;
 /// Part of the contact's duration in which it is asked whether it slides: long against the error of its spring.
 const PROBE: f64 = 1e-7;
 /// Part of the mean force of an impact below which there is none.
 const FORCE: f64 = 1e-10;
 /// Part of the impact speed below which slip is rest.
 const REST: f64 = 1e-6;
+
+/// Relative error of rounding of overlap and velocity.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Part of the contact's duration below which a state of the contact is an error of rounding and not told: a force about zero,
+/// a spring at its limit, slip about rest.
+const BRIEF: f64 = 1e-6;
+/// So many steps are made shorter to find when a state changes, in the next part of the contact's duration. Changes that are of
+/// no moment to the motion come in thousands.
+const CHASES: usize = 100;
+/// Part of the contact's duration.
+const RARE: f64 = 1e-3;
 
 /// What happens during a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +46,18 @@ pub enum EventKind {
     Approaches,
     /// The contact ends.
     Ends,
+}
+
+impl EventKind {
+    /// Which state it changes.
+    fn pair(self) -> u8 {
+        match self {
+            Self::Slides | Self::Sticks => 0,
+            Self::Pushes | Self::PushesNoMore => 1,
+            Self::Turns | Self::Approaches => 2,
+            Self::Ends => 3,
+        }
+    }
 }
 
 /// An event and its time.
@@ -99,6 +123,8 @@ struct Path<'a, M> {
     scale: f64,
     /// A force in the order of the contact's \[N\].
     force: f64,
+    /// By how much extrapolation magnifies errors of rounding.
+    magnified: f64,
 }
 
 struct Trial {
@@ -134,16 +160,31 @@ pub(crate) fn integrate<M: Mechanics>(
         }
     }
     groups.push((state.len() - 2..state.len(), energy));
-    let mut path =
-        Path { mechanics, contact, accuracy, groups, speed, scale, force: 2.0 * energy / (speed * scale) };
+    let force = 2.0 * energy / (speed * scale);
+    let magnified = magnification(accuracy.order);
+    let mut path = Path { mechanics, contact, accuracy, groups, speed, scale, force, magnified };
     path.learn(&state);
     path.run(state)
+}
+
+/// Substeps of row `index` of the extrapolation. Six at least: a law that stops slip knows the inertia of the bodies only up to
+/// the overlap, so that a substep leaves a small share of the slip, and substeps a power of it, which is not the polynomial
+/// that extrapolation stands on.
+fn substeps_of(index: usize) -> usize {
+    2 * index + 6
+}
+
+/// Sum of the absolute weights of the results with different numbers of substeps in the extrapolated one.
+fn magnification(order: usize) -> f64 {
+    let of = |index| substeps_of(index) as f64;
+    let others = |j: usize| (0..order).filter(move |&i| i != j);
+    (0..order).map(|j| others(j).map(|i| of(j) / (of(j) - of(i)).abs()).product::<f64>()).sum()
 }
 
 impl<M: Mechanics> Path<'_, M> {
     fn run(&mut self, mut state: Vec<f64>) -> Result<End, ReferenceError> {
         let scale = self.scale;
-        let (shortest, latest) = (1e-9 * scale, 1e4 * scale);
+        let (shortest, latest) = (SHORTEST * scale, 1e4 * scale);
         let mut time = 1e-9 * scale;
         let first = self.extrapolate(&state, time);
         let mut flags = first.flags;
@@ -151,6 +192,8 @@ impl<M: Mechanics> Path<'_, M> {
         let mut step = time;
         let (mut events, mut samples) = (Vec::new(), vec![sample(time, &first.at, &first.response)]);
         let mut largest: f64 = first.at.overlap;
+        // Since when and how often changes of state were looked for.
+        let (mut chase, mut rejected) = ((f64::NEG_INFINITY, 0), false);
         for _ in 0..MOST_STEPS {
             step = step.max(shortest);
             let mut trial = self.extrapolate(&state, step);
@@ -159,17 +202,27 @@ impl<M: Mechanics> Path<'_, M> {
             }
             let order = self.accuracy.order as f64;
             let factor = 0.9 * trial.error.max(1e-30).powf(-1.0 / order);
-            if trial.error > 1.0 && step > shortest {
-                step = (step * factor.max(0.1).min(0.7)).max(shortest);
+            if time > chase.0 + RARE * scale {
+                chase = (time, 0);
+            }
+            let changed = trial.flags != flags && (trial.flags.ended || chase.1 < CHASES);
+            if step > shortest && (changed || trial.error > 1.0) {
+                chase.1 += usize::from(changed);
+                step *= if changed { 0.25 } else { factor.max(0.1).min(0.7) };
+                rejected = true;
                 continue;
             }
-            let mut taken = step;
-            // A kink was crossed in the shortest step; beyond it the path is smooth again.
-            step *= if trial.error > 1.0 { 4.0 } else { factor.max(0.2).min(4.0) };
-            if trial.flags != flags {
-                (trial, taken) = self.locate(&state, flags, trial, taken, time + scale);
-                step = 1e-2 * taken;
+            let taken = step;
+            // A jump lies in the shortest step; beyond it the path is smooth again.
+            if trial.error > 1.0 {
+                trial = self.plain(&state, taken);
             }
+            step *= match (changed || trial.error > 1.0, rejected) {
+                (true, _) => 4.0,
+                (false, true) => factor.max(0.2).min(1.0),
+                (false, false) => factor.max(0.2).min(4.0),
+            };
+            rejected = false;
             time += taken;
             state = trial.state;
             self.learn(&state);
@@ -185,36 +238,15 @@ impl<M: Mechanics> Path<'_, M> {
                     maximum_overlap: largest,
                     viscous: state[state.len() - 2],
                     friction: state[state.len() - 1],
-                    events,
+                    events: without_flutter(events, BRIEF * scale),
                     samples,
                 });
-            }
-            if events.len() > MOST_EVENTS {
-                return Err(ReferenceError::Chatter);
             }
             if time > latest {
                 break;
             }
         }
         Err(ReferenceError::NoEnd(time))
-    }
-
-    /// The shortest step that leads to another state of the contact, to round-off.
-    fn locate(&self, state: &[f64], flags: Flags, trial: Trial, step: f64, unit: f64) -> (Trial, f64) {
-        let (mut low, mut high, mut best) = (0.0, step, trial);
-        while high - low > 4.0 * f64::EPSILON * unit {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            let trial = self.extrapolate(state, middle);
-            if trial.flags == flags {
-                low = middle;
-            } else {
-                (high, best) = (middle, trial);
-            }
-        }
-        (best, high)
     }
 
     /// Remembers the largest values seen.
@@ -224,52 +256,82 @@ impl<M: Mechanics> Path<'_, M> {
         }
     }
 
-    /// One step: 1, 2, 3, ... substeps, extrapolated to substeps of length zero.
+    /// One step with ever more substeps, extrapolated to substeps of length zero.
     fn extrapolate(&self, start: &[f64], step: f64) -> Trial {
         let mut rows: Vec<Vec<f64>> = Vec::new();
-        let mut substeps = 1;
-        loop {
-            let mut value = self.substeps(start, step, substeps);
-            let mut error = f64::INFINITY;
-            // Row j of the tableau from row j - 1, in place.
+        let mut rounding = Vec::new();
+        let mut error = f64::INFINITY;
+        for index in 0..self.accuracy.order {
+            let substeps = substeps_of(index);
+            let last = index + 1 == self.accuracy.order;
+            if last {
+                rounding = vec![0.0; start.len()];
+            }
+            let mut value = self.substeps(start, step, substeps, &mut rounding);
+            // The next row of the tableau from this one, in place.
             for (column, row) in rows.iter_mut().enumerate() {
-                let ratio = substeps as f64 / (substeps - 1 - column) as f64 - 1.0;
+                let ratio = substeps as f64 / substeps_of(index - 1 - column) as f64 - 1.0;
                 let mut better = value.clone();
                 for (better, (now, before)) in better.iter_mut().zip(value.iter().zip(row.iter())) {
                     *better = now + (now - before) / ratio;
                 }
-                if column + 2 == substeps {
-                    error = self.error(&better, &value);
+                if last && column + 1 == index {
+                    error = self.error(&better, &value, &rounding);
                 }
                 *row = std::mem::replace(&mut value, better);
             }
             rows.push(value);
-            if substeps == self.accuracy.order {
-                let state = rows.swap_remove(substeps - 1);
-                let (at, response) = self.look(&state, PROBE * self.scale);
-                let flags = self.flags(&at, &response);
-                return Trial { state, flags, at, response, error };
-            }
-            substeps += 1;
+        }
+        let state = rows.pop().unwrap_or_else(|| start.to_vec());
+        self.trial(state, error)
+    }
+
+    /// One step with as many substeps as the finest row, and no extrapolation, which makes nonsense of jumps.
+    fn plain(&self, start: &[f64], step: f64) -> Trial {
+        let state = self.substeps(start, step, substeps_of(self.accuracy.order - 1), &mut []);
+        self.trial(state, f64::INFINITY)
+    }
+
+    fn trial(&self, state: Vec<f64>, error: f64) -> Trial {
+        let (at, response) = self.look(&state, PROBE * self.scale);
+        let flags = self.flags(&at, &response);
+        Trial { state, flags, at, response, error }
+    }
+
+    /// What errors of rounding do to the history after a substep, magnified by extrapolation: `before` the substep, `after` it.
+    /// Where springs are cut to a share of a normal force that is the small difference of an elastic and a viscous part, no
+    /// step is short enough to make less of it.
+    fn rounding(&self, at: &Kinematics, before: &[f64], after: &[f64], step: f64, worst: &mut [f64]) {
+        let rounded = Kinematics {
+            overlap: at.overlap + ROUNDING * self.groups[0].1,
+            normal_velocity: at.normal_velocity - ROUNDING * self.speed,
+            ..*at
+        };
+        let mut other = before.to_vec();
+        self.contact.respond(&rounded, &mut other, step);
+        for (worst, (one, other)) in worst.iter_mut().zip(after.iter().zip(other)) {
+            *worst = worst.max(self.magnified * (one - other).abs());
         }
     }
 
-    /// Largest difference over the tolerance.
-    fn error(&self, better: &[f64], worse: &[f64]) -> f64 {
+    /// Largest difference over the tolerance, rounding aside.
+    fn error(&self, better: &[f64], worse: &[f64], rounding: &[f64]) -> f64 {
         let mut worst: f64 = 0.0;
+        let rounding = |index| rounding.get(index).copied().unwrap_or(0.0);
         for (range, size) in &self.groups {
             let largest = better[range.clone()].iter().fold(*size, |size, value| size.max(value.abs()));
             if largest > 0.0 {
                 for index in range.clone() {
-                    worst = worst.max((better[index] - worse[index]).abs() / largest);
+                    let rounded = rounding(index) + self.magnified * f64::EPSILON * largest;
+                    worst = worst.max(((better[index] - worse[index]).abs() - rounded) / largest);
                 }
             }
         }
         worst / self.accuracy.tolerance
     }
 
-    /// `count` substeps of the symplectic Euler scheme.
-    fn substeps(&self, start: &[f64], step: f64, count: usize) -> Vec<f64> {
+    /// `count` substeps of the symplectic Euler scheme. Errors of rounding in the history go to `rounding`, if it is not empty.
+    fn substeps(&self, start: &[f64], step: f64, count: usize, rounding: &mut [f64]) -> Vec<f64> {
         let (positions, velocities) = M::SIZE;
         let history = positions + velocities..start.len() - 2;
         let h = step / count as f64;
@@ -286,7 +348,11 @@ impl<M: Mechanics> Path<'_, M> {
                 state[index] += h * state[positions + index];
             }
             at = self.mechanics.kinematics(&state[..positions], &state[positions..history.start]);
+            let before = state[history.clone()].to_vec();
             response = self.contact.respond(&at, &mut state[history.clone()], h);
+            if !rounding.is_empty() {
+                self.rounding(&at, &before, &state[history.clone()], h, &mut rounding[history.clone()]);
+            }
             state[history.end] += h * response.viscous;
             state[history.end + 1] += h * response.friction;
         }
@@ -305,7 +371,7 @@ impl<M: Mechanics> Path<'_, M> {
     fn flags(&self, at: &Kinematics, response: &Response) -> Flags {
         let force = crate::length(response.tangential);
         Flags {
-            slides: response.friction > REST * force * self.speed,
+            slides: force > FORCE * self.force && response.friction > REST * force * self.speed,
             pushes: response.normal > FORCE * self.force,
             separates: at.normal_velocity <= 0.0,
             ended: at.overlap <= -self.contact.composition.reach,
@@ -327,4 +393,19 @@ fn record(events: &mut Vec<Event>, time: f64, before: Flags, after: Flags) {
     change(before.separates, after.separates, EventKind::Turns, EventKind::Approaches);
     change(before.pushes, after.pushes, EventKind::Pushes, EventKind::PushesNoMore);
     change(before.ended, after.ended, EventKind::Ends, EventKind::Ends);
+}
+
+/// Events without those that the opposite follows at once.
+fn without_flutter(events: Vec<Event>, brief: f64) -> Vec<Event> {
+    let mut kept: Vec<Event> = Vec::new();
+    for event in events {
+        let opposite = kept.iter().rposition(|other| other.kind.pair() == event.kind.pair());
+        match opposite {
+            Some(index) if kept[index].kind != event.kind && event.time - kept[index].time < brief => {
+                kept.remove(index);
+            }
+            _ => kept.push(event),
+        }
+    }
+    kept
 }
