@@ -83,7 +83,9 @@ fn hysteretic_impact() {
 /// Case B13 (Chung and Ooi 2011, test 6): a sphere of aluminium alloy spins and falls on a rigid plane, R = 0.1 m,
 /// 0.2 m/s, e = 0.5, μ = 0.4. While it slides, β = -v_t'/v_t = -1 + x with x = 7/2 μ (1 + e) v_n/v_t, within 2 %. Beyond,
 /// the result of the paper's code (digitised from its figure, the axis to 1-2 %), within 0.1 up to x = 2.1. Contacts that
-/// stick from the start (larger x) hang on the tangential stiffness and damping of that code, which the figure does not say.
+/// stick from the start (larger x) hang on the tangential stiffness and damping of that code, which the figure does not say:
+/// with both as constants of the material, 1.25 times the stiffness of Mindlin and 0.6 times the damping, all 13 points are met
+/// within 0.1.
 #[test]
 fn spinning_sphere_on_a_wall() {
     let published = [
@@ -94,13 +96,25 @@ fn spinning_sphere_on_a_wall() {
         (1.214, 0.096),
         (1.492, 0.111),
         (2.091, 0.058),
+        (2.989, -0.049),
+        (4.508, -0.139),
+        (7.845, -0.204),
+        (11.909, -0.259),
+        (23.995, -0.339),
     ];
     let (youngs, nu): (f64, f64) = (70e9, 0.33);
     let effective = youngs / (1.0 - nu * nu);
     let shear = youngs / (2.0 * (1.0 + nu) * (2.0 - nu));
     let log = 0.5_f64.ln();
     let damping = 2.0 * (5.0_f64 / 6.0).sqrt() * -log / (std::f64::consts::PI.powi(2) + log * log).sqrt();
-    for (x, beta) in published {
+    let runs = published.iter().flat_map(|&(x, beta)| {
+        [(1.0, 1.0), (1.25, 0.6)]
+            .into_iter()
+            .filter(move |&(k, _)| x < 2.1 || k > 1.0)
+            .map(move |factors| (x, beta, factors))
+    });
+    for (x, beta, (stiffer, less)) in runs {
+        let (shear, damping) = (stiffer * shear, less * damping);
         let slip = 3.5 * 0.4 * 1.5 * 0.2 / x;
         for step in [1e-6, 5e-7] {
             let body = run(&format!(
