@@ -20,6 +20,13 @@ pub(crate) const BATCH: usize = 96;
 #[repr(C, align(64))]
 pub(crate) struct Column<T>([T; BATCH], [u64; 8]);
 
+impl<T: Copy> Column<T> {
+    /// The same number everywhere.
+    pub fn filled(value: T) -> Self {
+        Self([value; BATCH], [0; 8])
+    }
+}
+
 impl<T> Column<T> {
     /// The numbers of group `group` of four.
     #[inline(always)]
@@ -113,9 +120,9 @@ pub(crate) struct Parted {
 
 impl<T: Real> Batch<T> {
     pub fn new(history_width: usize) -> Self {
-        let double = Column([0.0; BATCH], [0; 8]);
-        let index = Column([0; BATCH], [0; 8]);
-        let scalar = Column([T::ZERO; BATCH], [0; 8]);
+        let double = Column::filled(0.0);
+        let index = Column::filled(0);
+        let scalar = Column::filled(T::ZERO);
         Self {
             count: 0,
             separation: [double; 3],

@@ -87,7 +87,7 @@ impl Engine {
         let mut engine = Self::before_forces(plan, threads, instructions)?;
         engine.check_finite(0.0)?;
         engine.update_lists(0.0)?;
-        blame::caught(|| engine.evaluate(0.0, 0.0, true)).map_err(|panic| panic.at(0, 0.0))?;
+        blame::caught(|| engine.evaluate(0.0, 0.0, true)).map_err(|blame| engine.blamed(*blame))?;
         engine.sweep(Sweep::Receive);
         if engine.plan.substrate.is_some() {
             engine.settle(0.0);
@@ -241,7 +241,14 @@ impl Engine {
             Some(pool) => pool.install(|| self.advance_here(steps, watch)),
             None => self.advance_here(steps, watch),
         });
-        result.unwrap_or_else(|panic| Err(panic.at(self.step, self.time())))
+        result.unwrap_or_else(|blame| Err(self.blamed(*blame)))
+    }
+
+    /// The error of a law at fault.
+    fn blamed(&self, blame: blame::Blame) -> EngineError {
+        let wall =
+            |index: u16| self.plan.walls.get(usize::from(index)).map_or("", |wall| &wall.name).to_string();
+        blame.at(self.step, self.time(), |place| self.bodies.id[place as usize], wall)
     }
 
     fn advance_here(&mut self, steps: u64, watch: &mut (dyn FnMut(Phase) + Send)) -> Result<(), EngineError> {
@@ -446,6 +453,7 @@ impl Engine {
                 margin: *moved,
             }),
             marks: plan.driver.scheme == Scheme::ContactResolved,
+            inquest: false,
         };
         let mut run = |parallel| {
             crate::slices::forces(&mut lists.tiles, &mut force, &mut torque, size, parallel, level, &at);

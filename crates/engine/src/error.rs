@@ -25,6 +25,21 @@ pub enum EngineError {
         /// Simulated time \[s\].
         time: f64,
     },
+    /// A law made a number that is not finite of numbers that are: a fault of the law, or a step far too large for it.
+    LawNotFinite {
+        /// Its name in scenes.
+        law: &'static str,
+        /// What is not finite.
+        quantity: &'static str,
+        /// Both bodies, or body and wall.
+        between: String,
+        /// What the law was given, in words.
+        contact: String,
+        /// Step in which it happened.
+        step: u64,
+        /// Simulated time \[s\].
+        time: f64,
+    },
     /// The periodic cell is too small for one image per pair, or candidates cannot be found.
     Search(String),
     /// What the event-driven engine says.
@@ -47,6 +62,12 @@ impl std::fmt::Display for EngineError {
                 f,
                 "the law {law} panicked at step {step} (time {time:e} s): {message}; this is a fault of the law, to be \
                  reported to its author"
+            ),
+            Self::LawNotFinite { law, quantity, between, contact, step, time } => write!(
+                f,
+                "the law {law} gave a {quantity} that is not finite between {between} at step {step} (time {time:e} s): {contact}; \
+                 this is a fault of the law, to be reported to its author, unless these numbers are absurd because the step is too \
+                 large"
             ),
             Self::Search(reason) => write!(f, "candidates cannot be found: {reason}"),
             Self::Events(reason) => f.write_str(reason),

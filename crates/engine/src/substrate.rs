@@ -13,6 +13,8 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::blame;
+
 /// Bodies that a thread works on at a time; it must not depend on the number of threads.
 const PART: usize = 512;
 /// Bodies for which laws are asked at once.
@@ -129,6 +131,8 @@ struct Step<'a> {
 
 /// Rows of consecutive bodies.
 struct Part<'a> {
+    /// Place of its first body.
+    first: usize,
     position: &'a mut [Row],
     velocity: &'a mut [Row],
     force: &'a mut [Row],
@@ -151,27 +155,22 @@ pub(crate) fn settle(
 ) -> SubstrateTally {
     let plate = velocity_everywhere(&plan.motion, time);
     let step = Step { plan, time, time_step, gravity: -gravity_z, plate };
-    let mut parts: Vec<Part<'_>> = bodies
-        .position
-        .chunks_mut(PART)
-        .zip(bodies.velocity.chunks_mut(PART))
-        .zip(bodies.force.chunks_mut(PART))
-        .zip(bodies.spin.chunks_mut(PART))
-        .zip(bodies.torque.chunks_mut(PART))
-        .zip(bodies.surface.chunks_mut(PART))
-        .zip(bodies.mass.chunks(PART))
-        .zip(bodies.material.chunks(PART))
-        .map(|(((((((position, velocity), force), spin), torque), surface), mass), material)| Part {
-            position,
-            velocity,
-            force,
-            spin,
-            torque,
-            surface,
-            mass,
-            material,
-        })
-        .collect();
+    let mut parts: Vec<Part<'_>> =
+        bodies
+            .position
+            .chunks_mut(PART)
+            .zip(bodies.velocity.chunks_mut(PART))
+            .zip(bodies.force.chunks_mut(PART))
+            .zip(bodies.spin.chunks_mut(PART))
+            .zip(bodies.torque.chunks_mut(PART))
+            .zip(bodies.surface.chunks_mut(PART))
+            .zip(bodies.mass.chunks(PART))
+            .zip(bodies.material.chunks(PART))
+            .enumerate()
+            .map(|(index, (((((((position, velocity), force), spin), torque), surface), mass), material))| {
+                Part { first: index * PART, position, velocity, force, spin, torque, surface, mass, material }
+            })
+            .collect();
     let tallies: Vec<SubstrateTally> = if parallel {
         parts.par_iter_mut().map(|part| step.part(part)).collect()
     } else {
@@ -212,7 +211,8 @@ impl Step<'_> {
                 (contacts[k], pending[k]) = self.ask(part, first + k, &mut tally);
             }
             if self.time_step > 0.0 {
-                self.answer(&mut contacts[..count], &part.material[first..first + count]);
+                let place = part.first + first;
+                self.answer(&mut contacts[..count], &part.material[first..first + count], place);
             }
             for k in 0..count {
                 if pending[k].active {
@@ -296,14 +296,15 @@ impl Step<'_> {
         (contact, pending)
     }
 
-    /// Asks the laws, once for each run of bodies of one material.
-    fn answer(&self, contacts: &mut [SubstrateContact], materials: &[u16]) {
+    /// Asks the laws, once for each run of bodies of one material; `place` is that of the first body.
+    fn answer(&self, contacts: &mut [SubstrateContact], materials: &[u16], place: usize) {
         let mut first = 0;
         while first < contacts.len() {
             let material = materials[first];
             let same = materials[first..].iter().take_while(|other| **other == material).count();
             if let Some(Some(material)) = self.plan.materials.get(usize::from(material)) {
-                material.stage.run(&mut contacts[first..first + same]);
+                let (law, stage) = (material.law.info.name, material.stage.as_ref());
+                blame::run_substrate(law, stage, &mut contacts[first..first + same], place + first);
             }
             first += same;
         }

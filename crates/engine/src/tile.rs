@@ -2,8 +2,9 @@
 
 use granule_law_api::{Columns, ContactEnd};
 use granule_plan::{Composition, WallPlan};
-use granule_state::{Bodies, Lanes, Row};
+use granule_state::{Bodies, Lanes, Portable, Row};
 
+use crate::blame;
 use crate::chunk::{BATCH, Batch};
 use crate::gather::{Changes, find_contacts, gather_kinematics};
 use crate::history::PairHistory;
@@ -111,6 +112,8 @@ pub(crate) struct Evaluation<'a> {
     pub resolved: Option<StepRows<'a>>,
     /// Pairs that touch are marked.
     pub marks: bool,
+    /// Some force is not finite: the law at fault is sought.
+    pub inquest: bool,
 }
 
 /// Rows that all tiles read while each writes its own forces.
@@ -145,6 +148,11 @@ impl Shared<'_> {
 impl Tile {
     /// Computes the forces of all contacts that this tile owns. `force` and `torque` are the rows of its bodies.
     pub fn evaluate(&mut self, level: &Level, at: &Evaluation<'_>, force: &mut [Row], torque: &mut [Row]) {
+        self.begin(at);
+        level.evaluate(self, at, force, torque);
+    }
+
+    fn begin(&mut self, at: &Evaluation<'_>) {
         self.tally.reset();
         self.impulses.clear();
         self.records.clear();
@@ -153,11 +161,46 @@ impl Tile {
         }
         // Pairs that do not touch leave their slots alone.
         self.outbox.fill(Outgoing::default());
-        level.evaluate(self, at, force, torque);
     }
 
     #[inline(always)]
     pub(crate) fn evaluate_with<S: Space, T: Arithmetic, L: Lanes>(
+        &mut self,
+        arena: &Arena<T>,
+        at: &Evaluation<'_>,
+        force: &mut [Row],
+        torque: &mut [Row],
+    ) {
+        self.contacts::<S, T, L>(arena, at, force, torque);
+        // One sum over the bodies tells whether any of the contacts gave a number that is not finite.
+        let rows = force[..self.len].iter().chain(torque.iter());
+        let sum = rows.fold(L::splat(0.0), |sum, row| sum + L::load(&row.0));
+        let mut row = Row::ZERO;
+        sum.store(&mut row.0);
+        if row.0.iter().any(|component| !component.is_finite()) {
+            self.inquire::<S, T>(arena, at, force, torque);
+        }
+    }
+
+    /// Evaluates once more, and blames the law whose force is not finite although all that it got is. If there is none, the
+    /// input was at fault, which the integration tells.
+    #[cold]
+    #[inline(never)]
+    fn inquire<S: Space, T: Arithmetic>(
+        &mut self,
+        arena: &Arena<T>,
+        at: &Evaluation<'_>,
+        force: &mut [Row],
+        torque: &mut [Row],
+    ) {
+        // The histories of the first time are those of the step before.
+        let again = Evaluation { inquest: true, now: at.now.wrapping_add(1), ..*at };
+        self.begin(&again);
+        self.contacts::<S, T, Portable>(arena, &again, force, torque);
+    }
+
+    #[inline(always)]
+    fn contacts<S: Space, T: Arithmetic, L: Lanes>(
         &mut self,
         arena: &Arena<T>,
         at: &Evaluation<'_>,
@@ -220,6 +263,12 @@ impl Tile {
         }
         let tally = at.ledger.then_some(&mut self.tally);
         batch.run(composition, &arena.stages[index], at.time_step, tally);
+        if at.inquest {
+            let first = self.first as u32;
+            blame::inquire(batch, composition, &arena.stages[index], at.time_step, |batch, k| {
+                [Some(first + batch.i[k]), Some(batch.j[k])]
+            });
+        }
         if at.marks {
             self.resolve_touching::<S, T>(batch, arena, index, at);
         }

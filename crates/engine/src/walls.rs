@@ -6,6 +6,7 @@ use granule_plan::Composition;
 use granule_state::{Lanes, Row};
 use nalgebra::Vector3;
 
+use crate::blame;
 use crate::chunk::{BATCH, Batch, share};
 use crate::history::PairHistory;
 use crate::level::{Arena, Arithmetic};
@@ -134,6 +135,12 @@ impl Tile {
         }
         let tally = at.ledger.then_some(&mut self.tally);
         batch.run(composition, &arena.stages[index], at.time_step, tally);
+        if at.inquest {
+            let first = self.first as u32;
+            blame::inquire(batch, composition, &arena.stages[index], at.time_step, |batch, k| {
+                [Some(first + batch.i[k]), None]
+            });
+        }
         if at.resolved.is_some() {
             self.resolve_wall_contacts::<S, T>(batch, arena, index, at);
         }

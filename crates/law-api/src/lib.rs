@@ -17,6 +17,7 @@ mod info;
 mod oracle;
 pub mod oscillator;
 mod params;
+pub mod probe;
 mod real;
 mod registry;
 mod substrate;

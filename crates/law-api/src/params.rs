@@ -1,6 +1,6 @@
 //! Parameters of a law: specification, choice of form, values.
 
-use crate::{Dimension, LawInfo};
+use crate::{Dimension, LawInfo, Real};
 
 /// One end of a range of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,6 +139,19 @@ impl LawError {
     /// An error without a parameter to point at.
     pub fn new(message: impl Into<String>) -> Self {
         Self { parameter: None, message: message.into(), help: None }
+    }
+
+    /// Refuses what parameters lead to if it is no number of the precision of a stage.
+    ///
+    /// # Errors
+    /// One of the named values is not finite.
+    pub fn unless_finite<T: Real>(values: &[(&str, f64)]) -> Result<(), Self> {
+        match values.iter().find(|(_, value)| !T::of(*value).wide().is_finite()) {
+            Some((name, value)) => Err(Self::new(format!(
+                "these parameters make the {name} {value:e}, which is beyond the range of numbers in this precision"
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// Points at a parameter.

@@ -13,6 +13,7 @@
 //! |---|---|
 //! | `info` | names, documents, sources, forms, columns and history are complete and consistent |
 //! | `finite` | finite outputs for overlaps, velocities, masses and radii from denormal to huge |
+//! | `parameters` | for parameters at the corners of their ranges, alone and together: a refusal, or outputs that are numbers |
 //! | `chunk` | the same bits for a contact alone, among 256 others, and in another order |
 //! | `reads` | columns that the law does not declare to read do not change its outputs |
 //! | `writes` | only declared columns are written, and they are overwritten |
@@ -33,6 +34,7 @@ mod drive;
 mod head_on;
 mod info;
 mod oblique;
+mod parameters;
 mod pointwise;
 pub mod reference;
 
@@ -107,6 +109,9 @@ pub fn failures(law: &LawEntry) -> Vec<Failure> {
                     pointwise::check(&case, &*single, &mut report);
                     pointwise::compare(&case, &*double, &*single, &mut report);
                     under_other_conventions(&case, &mut report);
+                    if let Err(fault) = crate::probe::try_out(law, &params, &pair) {
+                        report.fail("energy", format!("it {fault}"));
+                    }
                     match law.info.slot {
                         Slot::Normal | Slot::Cohesion => head_on::check(&case, &*double, &mut report),
                         Slot::Tangential => {
@@ -125,6 +130,8 @@ pub fn failures(law: &LawEntry) -> Vec<Failure> {
             }
         }
     }
+    report.case = String::new();
+    parameters::check(law, &mut report);
     report.failures
 }
 
@@ -204,7 +211,7 @@ fn normal_duration() -> f64 {
 }
 
 fn describe(example: &[(&str, f64)], end: ContactEnd, normal: Option<NormalSummary>) -> String {
-    let values: Vec<String> = example.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    let values: Vec<String> = example.iter().map(|(name, value)| format!("{name} = {value:?}")).collect();
     let rule = match normal.map(|normal| normal.duration) {
         Some(rule) => format!(", normal duration {rule:?}"),
         None => String::new(),

@@ -191,7 +191,7 @@ fn a_sound_law_passes() {
 }
 
 #[test]
-#[should_panic(expected = "Spring: check `energy` with (stiffness = 100000), contact end Force: an impact")]
+#[should_panic(expected = "Spring: check `energy` with (stiffness = 100000.0), contact end Force: an impact")]
 fn the_panic_names_law_check_and_parameters() {
     conformance::<GainsEnergy>();
 }

@@ -1,18 +1,20 @@
 //! The event-driven driver: rules of collisions for all that can meet, contact duration, steps.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use granule_geometry::{Surface, Wall};
-use granule_law_api::{CollisionEntry, Params, RegistryError};
+use granule_law_api::{CollisionEntry, CollisionRule, Params, RegistryError, probe};
 use granule_scene::{
     ContactBlock, EventBlock, LawBlock, PrecisionChoice, RunBlock, SlidesChoice, suggestion,
 };
 
 use crate::build::Builder;
 use crate::laws::Setting;
-use crate::laws::check::{given_parameters, law_error};
+use crate::laws::check::{given_parameters, law_error, misbehaves};
 use crate::laws::meeting::{Meeting, meetings};
 use crate::model::{CollisionPlan, EventPlan, Plan, Slides, SubstratePlan};
+use crate::place::SHIPPED;
 use crate::schedule::{MOST_STEPS, shortest_interval, whole};
 
 /// Default contact duration as a share of the shortest time in which a body moves by its diameter.
@@ -202,6 +204,22 @@ fn choose(builder: &mut Builder<'_>, law: &LawBlock) -> Option<(&'static Collisi
     }
 }
 
+/// The rule, after one of somebody else was tried: one that gives no numbers or creates energy is an error before the run.
+fn trusted(
+    builder: &mut Builder<'_>,
+    law: &LawBlock,
+    entry: &CollisionEntry,
+    rule: Box<dyn CollisionRule>,
+) -> Arc<dyn CollisionRule> {
+    if !entry.crate_name.starts_with(SHIPPED) {
+        let tried = catch_unwind(AssertUnwindSafe(|| probe::try_collisions(&*rule, entry.info.dissipative)));
+        if let Ok(Err(fault)) = tried {
+            misbehaves(builder, law, entry.info.name, &fault);
+        }
+    }
+    Arc::from(rule)
+}
+
 /// Refuses walls that flights are not known for.
 fn walls(builder: &mut Builder<'_>, setting: &Setting<'_>) {
     for (index, plan) in setting.walls.iter().enumerate() {
@@ -232,7 +250,7 @@ fn collisions(builder: &mut Builder<'_>, setting: &Setting<'_>, chosen: &[Chosen
                     partner,
                     law: entry,
                     params: params.clone(),
-                    rule: Arc::from(rule),
+                    rule: trusted(builder, law, entry, rule),
                 }),
                 Err(error) => law_error(builder, law, entry.info.name, &error),
             },

@@ -184,6 +184,7 @@ fn compile(
                 return None;
             }
         };
+        check::keeps_its_promises(builder, law.block, entry, params, &context);
         let stage_reads = (entry.reads)(params);
         stages.push(StagePlan {
             slot: entry.info.slot,

@@ -10,7 +10,7 @@ use crate::model::{Composition, Scheme};
 pub const FEWEST_STEPS: f64 = 12.0;
 
 /// Beginning of the names of the crates whose laws have maps.
-const SHIPPED: &str = "granule-law-";
+pub(crate) const SHIPPED: &str = "granule-law-";
 
 /// The map of a law and an integrator (as scenes name it): of a single contact, or of a dense packing.
 pub fn map_name(law: &str, scheme: &str, crowded: bool) -> String {

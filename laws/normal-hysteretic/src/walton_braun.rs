@@ -72,7 +72,14 @@ impl ContactLaw for WaltonBraun {
     };
 
     fn compile<T: Real>(params: &Params, pair: &PairContext) -> Result<Box<dyn Stage<T>>, LawError> {
-        Ok(stage::compile(&Model::new(params, pair)?))
+        let model = Model::new(params, pair)?;
+        let branches = model.at(pair.reduced_mass.max, pair.reduced_radius.max);
+        LawError::unless_finite::<T>(&[
+            ("loading stiffness", branches.loading),
+            ("unloading stiffness", branches.largest),
+            ("overlap of the largest stiffness", branches.limit),
+        ])?;
+        Ok(stage::compile(&model))
     }
 
     fn time_scale(

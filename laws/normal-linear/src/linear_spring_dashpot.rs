@@ -185,7 +185,10 @@ impl ContactLaw for LinearSpringDashpot {
 
     fn compile<T: Real>(params: &Params, pair: &PairContext) -> Result<Box<dyn Stage<T>>, LawError> {
         let clamp = pair.contact_end == ContactEnd::Force;
-        Ok(match Model::new(params, pair)? {
+        let model = Model::new(params, pair)?;
+        let (stiffness, damping) = model.at(pair.reduced_mass.max);
+        LawError::unless_finite::<T>(&[("stiffness", stiffness), ("damping", damping)])?;
+        Ok(match model {
             Model::Fixed { stiffness, damping } => stage::<T, FIXED>(stiffness, damping, clamp),
             Model::Rate { stiffness, rate } => stage::<T, RATE>(stiffness, rate, clamp),
             Model::Ratio { stiffness, ratio } => {

@@ -264,6 +264,7 @@ impl ContactLaw for PowerLaw {
                 (false, coefficient, overlap_exponent, velocity_exponent, reference_speed)
             }
         };
+        LawError::unless_finite::<T>(&[("modulus", model.modulus), ("damping", factor)])?;
         let stage = Power {
             modulus: T::of(model.modulus),
             exponent,

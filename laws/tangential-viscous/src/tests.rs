@@ -47,7 +47,7 @@ fn lammps_and_liggghts_forms() {
 
 #[test]
 fn damping_is_a_share_of_the_normal_one() {
-    let found = force(&[("damping_ratio", 0.5)], Conventions::PHYSICAL, [0.1, 0.0, 0.0], 0.0);
+    let found = force(&[("damping_ratio", 0.5)], Conventions::PHYSICAL, [0.1, 0.0, 0.0], 1.0);
     approx::assert_relative_eq!(found[0], -0.5 * 0.01 * 0.1, max_relative = 1e-15);
 }
 

@@ -200,6 +200,8 @@ impl ContactLaw for Viscoelastic {
 
     fn compile<T: Real>(params: &Params, pair: &PairContext) -> Result<Box<dyn Stage<T>>, LawError> {
         let model = Model::new(params, pair)?;
+        let values = [("modulus", model.pressure), ("dissipative time", 1.5 * model.dissipative_time)];
+        LawError::unless_finite::<T>(&values)?;
         let pressure = T::of(model.pressure);
         let relaxation = T::of(1.5 * model.dissipative_time);
         Ok(match pair.contact_end {

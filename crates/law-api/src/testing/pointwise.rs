@@ -4,7 +4,7 @@ use super::{Case, Contacts, Report};
 use crate::{CHUNK, Columns, Parity, Real, Slot, Stage};
 
 /// A step in the order of a hundredth of a contact.
-const STEP: f64 = 1e-6;
+pub(super) const STEP: f64 = 1e-6;
 
 /// All checks in one precision.
 pub(super) fn check<T: Real>(case: &Case<'_>, stage: &dyn Stage<T>, report: &mut Report) {
@@ -400,10 +400,14 @@ fn grown<T: Real>(contacts: &Contacts<T>, stage: &dyn Stage<T>) -> Contacts<T> {
 }
 
 /// A sequence of numbers in [-1, 1) without pattern, the same in every run.
-struct Sequence(u64);
+pub(super) struct Sequence(u64);
 
 impl Sequence {
-    fn next(&mut self) -> f64 {
+    pub(super) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub(super) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 11) as f64) / (1u64 << 52) as f64 - 1.0
     }
@@ -443,7 +447,7 @@ fn place<T: Real>(contacts: &mut Contacts<T>, k: usize, random: &mut Sequence, s
 /// Contacts of everyday size.
 fn ordinary<T: Real>(history_width: usize) -> Contacts<T> {
     let mut contacts = Contacts::new(CHUNK, history_width);
-    let mut random = Sequence(1);
+    let mut random = Sequence::new(1);
     for k in 0..CHUNK {
         let slip = 0.5 * random.next().abs();
         place(&mut contacts, k, &mut random, slip, 100.0);
@@ -459,12 +463,12 @@ fn ordinary<T: Real>(history_width: usize) -> Contacts<T> {
 }
 
 /// Contacts of every size from denormal to huge, with numbers that occur in single precision too.
-fn corners<T: Real>(history_width: usize) -> Contacts<T> {
+pub(super) fn corners<T: Real>(history_width: usize) -> Contacts<T> {
     const OVERLAP: [f64; 7] = [5e-324, 1e-310, 1e-45, 1e-38, 1e-12, 1e-5, 1.0];
     const SPEED: [f64; 11] = [0.0, -0.0, 5e-324, 1e-45, -1e-38, 1e-20, -1e-9, 1.0, -1.0, 1e6, -1e6];
     const FACTOR: [f64; 5] = [1e-6, 1e-3, 1.0, 1e3, 1e6];
     let mut contacts = Contacts::new(CHUNK, history_width);
-    let mut random = Sequence(2);
+    let mut random = Sequence::new(2);
     for k in 0..CHUNK {
         let slip = SPEED[(k / 7 + k / 77) % 11];
         place(&mut contacts, k, &mut random, slip, 1e3 * SPEED[(k / 3) % 11]);

@@ -1,10 +1,16 @@
 //! Laws of one contact block: names, slots, parameters, and whether each finds what it reads.
 
-use granule_law_api::{Columns, ContactEnd, LawEntry, LawError, ParamSpec, Params, RegistryError, Slot};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use granule_law_api::probe::{self, Fault};
+use granule_law_api::{
+    Columns, ContactEnd, LawEntry, LawError, PairContext, ParamSpec, Params, RegistryError, Slot,
+};
 use granule_scene::{ContactBlock, ContactEndChoice, LawBlock, ParameterValue, suggestion};
 use granule_units::parse_as;
 
 use crate::build::Builder;
+use crate::place::SHIPPED;
 
 /// Columns that exist for every contact.
 const GEOMETRY: Columns = Columns::NORMAL_VELOCITY
@@ -210,4 +216,36 @@ pub(crate) fn law_error(builder: &mut Builder<'_>, law: &LawBlock, name: &str, e
         Some(help) => diagnostic.help(help.clone()),
         None => diagnostic,
     });
+}
+
+/// Tries a law of somebody else with the parameters and bodies of the scene: one that gives no numbers or creates energy is an
+/// error before the run. Shipped laws are held to it by their tests. A law that panics here does so in the run, where it ends.
+pub(crate) fn keeps_its_promises(
+    builder: &mut Builder<'_>,
+    block: &LawBlock,
+    entry: &'static LawEntry,
+    params: &Params,
+    context: &PairContext,
+) {
+    if entry.crate_name.starts_with(SHIPPED) {
+        return;
+    }
+    let found = catch_unwind(AssertUnwindSafe(|| probe::try_out(entry, params, context)));
+    if let Ok(Err(fault)) = found {
+        misbehaves(builder, block, entry.info.name, &fault);
+    }
+}
+
+/// Names a law at fault.
+pub(crate) fn misbehaves(builder: &mut Builder<'_>, block: &LawBlock, name: &str, fault: &Fault) {
+    let message = format!("the law {name} {fault}");
+    // Once, whatever the number of pairs that it is for.
+    if builder.diagnostics.iter().any(|known| known.message == message) {
+        return;
+    }
+    builder.error_help(
+        block.name.span.clone(),
+        message,
+        "this is a fault of the law, to be reported to its author; `granule_law_api::testing` shows it there",
+    );
 }
