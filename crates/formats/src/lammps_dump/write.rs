@@ -316,8 +316,9 @@ mod tests {
             let path = folder.path().join("a.dump");
             write(&path, &[0, 10, 20]);
             let whole = fs::read(&path).unwrap();
-            // Frames of equal content but for the length of the step number.
-            let ends = [whole.len() / 3 - 1, 2 * whole.len() / 3 - 1, whole.len()];
+            // Frames of equal content, but the number of the first step is shorter by one digit.
+            let first = (whole.len() - 2) / 3;
+            let ends = [first, 2 * first + 1, whole.len()];
             let cut = (cut * whole.len() as f64) as usize;
             fs::write(&path, &whole[..cut]).unwrap();
             let mut writer =

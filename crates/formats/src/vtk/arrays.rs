@@ -2,6 +2,7 @@
 
 use bytemuck::NoUninit;
 use flate2::write::ZlibEncoder;
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::io::{self, Write};
 
@@ -73,18 +74,17 @@ impl<'a> Array<'a> {
 
 /// Number of blocks, size of a block, size of the last one if it is smaller (else 0), then the compressed sizes.
 fn compress<'a>(attributes: String, data: &[u8]) -> io::Result<Array<'a>> {
-    let blocks = data.chunks(BLOCK);
-    let mut sizes = vec![blocks.len() as u64, BLOCK as u64, (data.len() % BLOCK) as u64];
-    let mut compressed = Vec::with_capacity(data.len());
-    for block in blocks {
-        let before = compressed.len();
-        let mut encoder = ZlibEncoder::new(&mut compressed, flate2::Compression::fast());
+    let one = |block: &[u8]| {
+        let mut encoder = ZlibEncoder::new(Vec::with_capacity(block.len()), flate2::Compression::fast());
         encoder.write_all(block)?;
-        encoder.finish()?;
-        sizes.push((compressed.len() - before) as u64);
-    }
-    let header = sizes.into_iter().flat_map(u64::to_le_bytes).collect();
-    Ok(Array { attributes, header, data: compressed.into() })
+        encoder.finish()
+    };
+    // Blocks are independent, and come back in their order.
+    let blocks: Vec<Vec<u8>> = data.par_chunks(BLOCK).map(one).collect::<io::Result<_>>()?;
+    let shape = [blocks.len() as u64, BLOCK as u64, (data.len() % BLOCK) as u64];
+    let sizes = shape.into_iter().chain(blocks.iter().map(|block| block.len() as u64));
+    let header = sizes.flat_map(u64::to_le_bytes).collect();
+    Ok(Array { attributes, header, data: blocks.concat().into() })
 }
 
 fn little_endian<T: Scalar>(values: &[T]) -> Cow<'_, [u8]> {
