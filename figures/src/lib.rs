@@ -6,6 +6,7 @@
 pub mod atlas;
 mod kondic;
 mod luding;
+pub mod segregation;
 pub mod simulate;
 
 use std::fmt::Write as _;
@@ -83,6 +84,14 @@ pub fn csv(plot: &Plot) -> String {
         }
     }
     text
+}
+
+/// Mean and its standard error, 0 for a single value.
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let square = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+    (mean, if values.len() > 1 { (square / (count - 1.0) / count).sqrt() } else { 0.0 })
 }
 
 /// `count` values from `low` to `high`, both included.

@@ -1,9 +1,9 @@
-//! `granule-figures NAME [--docs]`: the figures of one paper; `granule-figures atlas [--quick] [--docs]`: the stability atlas.
+//! `granule-figures NAME [--docs]`: the figures of one paper, or of the layer of two species (segregation); `granule-figures atlas [--quick] [--docs]`: the stability atlas.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use granule_figures::{CHAPTERS, Chapter, Error, atlas};
+use granule_figures::{CHAPTERS, Chapter, Error, atlas, segregation};
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -12,10 +12,15 @@ fn main() -> ExitCode {
     }
     let names: Vec<&str> = CHAPTERS.iter().map(|chapter| chapter.name).collect();
     let usage = format!(
-        "figures NAME [--docs]: makes the figures of a paper; NAME is {}; --docs writes them into docs/ and not into \
+        "figures NAME [--docs]: makes the figures of a paper; NAME is {} or segregation; --docs writes them into docs/ and not into \
          target/figures",
-        names.join(" or ")
+        names.join(", ")
     );
+    if let ["segregation", options @ ..] = &words.iter().map(String::as_str).collect::<Vec<_>>()[..]
+        && (options.is_empty() || options == ["--docs"])
+    {
+        return ended(segregation::make(!options.is_empty()));
+    }
     let (chapter, docs) = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         [name] | [name, "--docs"] => (Chapter::named(name), words.len() == 2),
         _ => (None, false),
@@ -24,7 +29,11 @@ fn main() -> ExitCode {
         eprintln!("error: {usage}");
         return ExitCode::from(2);
     };
-    match make(chapter, docs) {
+    ended(make(chapter, docs))
+}
+
+fn ended(result: Result<(), Error>) -> ExitCode {
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -39,13 +48,7 @@ fn the_atlas(options: &[String]) -> ExitCode {
         eprintln!("error: atlas takes --quick and --docs, not `{other}`");
         return ExitCode::from(2);
     }
-    match atlas::make(has("--quick"), has("--docs")) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    ended(atlas::make(has("--quick"), has("--docs")))
 }
 
 /// Makes the figures of a chapter, below the current folder.

@@ -30,7 +30,7 @@ cargo xtask <task>
                  --dynamo folder of the program dynarun (github.com/toastedcrumpets/DynamO), likewise
                  --quick  one turn, and no more than 10^5 spheres
   figures NAME [--docs]
-               compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding, kondic
+               compute the figures of a paper as SVG and CSV with a page, in target/figures; NAME: luding, kondic, segregation
                  --docs   write them into docs/ instead
   atlas [--quick] [--docs]
                compute the stability atlas: maps of every law and integrator as SVG and JSON in target/atlas
