@@ -14,6 +14,7 @@ pub mod ours;
 pub mod peers;
 pub mod pile;
 pub mod race;
+pub mod soft;
 pub mod translate;
 pub mod two_bodies;
 pub mod validate;

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use granule_validation::{bench, extremes, race, validate};
+use granule_validation::{bench, extremes, race, soft, validate};
 
 const USAGE: &str = "usage: granule-validation validate [--out DIR] [--case NAME]... [--record]
        granule-validation bench [CASE]... [--all] [--list] [--cores N,N..] [--pairs N] [--steps N] [--single] [--out DIR]
        granule-validation bench parts|plugin [--pairs N] [--out DIR]
        granule-validation bench accuracy [CONTEST]... [--out DIR]
+       granule-validation bench soft|schemes [--out DIR]
        granule-validation extremes [NAME]... [--quick] [--docs]";
 
 fn main() -> ExitCode {
@@ -83,7 +84,7 @@ fn bench_with(words: &[String]) -> Result<bool, String> {
             option if option.starts_with('-') => {
                 return Err(format!("`{option}` is not an option\n{USAGE}"));
             }
-            "parts" | "plugin" | "accuracy" => special = Some(word.as_str()),
+            "parts" | "plugin" | "accuracy" | "soft" | "schemes" => special = Some(word.as_str()),
             name => options.words.push(name.to_string()),
         }
     }
@@ -91,6 +92,8 @@ fn bench_with(words: &[String]) -> Result<bool, String> {
         Some("accuracy") => {
             race::race(&race::Options { out: options.out, words: options.words }).map(|_| true)
         }
+        Some("soft") => soft::soft(&options.out).map(|_| true),
+        Some("schemes") => race::schemes(&options.out).map(|()| true),
         Some("parts") => bench::parts(&options.out).map(|()| true),
         Some(_) => bench::plug_in_cost(&options).map(|result| result.same_bits),
         None => bench::bench(&options).map(|_| true),

@@ -3,6 +3,7 @@
 mod contests;
 mod page;
 mod runner;
+mod schemes;
 
 use std::path::PathBuf;
 
@@ -10,6 +11,7 @@ use serde::Serialize;
 
 use self::contests::{CONTESTS, Contest};
 use self::runner::{Racer, racers};
+pub use self::schemes::schemes;
 
 /// Steps in a contact: factors of √2.
 const FEWEST: f64 = 10.0;

@@ -162,6 +162,30 @@ pub fn maximum_height(view: &View<'_>) -> f64 {
     heights.reduce(f64::max).unwrap_or(0.0)
 }
 
+/// Angle of repose of a heap \[rad\]: the slope of the cone, in the plane of the triangle, of even density that has the same mean
+/// height above the lowest point of all bodies and the same mean distance from the vertical through the mean of the centres. A
+/// cone of height h and radius R has h/4 and R/2, a triangle h/3 and R/3. All bodies count, those that rolled away, too; zero
+/// if none can move, or all are above each other. Positions are unwrapped.
+pub fn repose_angle(view: &View<'_>) -> f64 {
+    let up = upwards(view);
+    let places: Vec<([f64; 3], f64)> = movable(view)
+        .map(|(rank, place)| (unwrapped_position(view, rank), view.bodies().position[place].0[3]))
+        .collect();
+    let lowest = places.iter().map(|(x, radius)| dot(up, *x) - radius).reduce(f64::min);
+    let Some(base) = lowest else { return 0.0 };
+    let count = places.len() as f64;
+    let mean = [0, 1, 2].map(|axis| places.iter().map(|(x, _)| x[axis]).sum::<f64>() / count);
+    let height = places.iter().map(|(x, _)| dot(up, *x) - base).sum::<f64>() / count;
+    let aside = |x: &[f64; 3]| {
+        let from = [x[0] - mean[0], x[1] - mean[1], x[2] - mean[2]];
+        let along = dot(up, from);
+        norm([from[0] - along * up[0], from[1] - along * up[1], from[2] - along * up[2]])
+    };
+    let distance = places.iter().map(|(x, _)| aside(x)).sum::<f64>() / count;
+    let factor = if view.plan().dimensions == Dimensions::Two { 1.0 } else { 2.0 };
+    if distance > 0.0 { libm::atan(factor * height / distance) } else { 0.0 }
+}
+
 /// Largest overlap of all contacts \[m\].
 pub fn maximum_overlap(view: &View<'_>) -> f64 {
     view.tally().maximum_overlap

@@ -34,6 +34,7 @@ pub fn compute(name: &str) -> Option<Compute> {
         "coordination_number" => |view, _, _| quantities::coordination_number(view),
         "mean_height" => |view, _, _| quantities::mean_height(view),
         "maximum_height" => |view, _, _| quantities::maximum_height(view),
+        "repose_angle" => |view, _, _| quantities::repose_angle(view),
         "maximum_overlap" => |view, _, _| quantities::maximum_overlap(view),
         "maximum_speed" => |view, _, _| quantities::maximum_speed(view),
         _ => return None,

@@ -54,6 +54,8 @@ fn the_first_row_is_what_the_scene_says() {
         ("coordination_number", 1.0),
         ("mean_height", 1.0),
         ("maximum_height", 1.0),
+        // Centres 0.5 above the lowest point and 0.37 from the vertical through their mean.
+        ("repose_angle", (2.0 * 0.5 / 0.37f64).atan()),
         ("maximum_overlap", 0.01),
         ("maximum_speed", 5.0f64.sqrt()),
         ("collisions", 0.0),
@@ -218,5 +220,29 @@ fn output_changes_no_bit_of_the_result() {
     for place in 0..2 {
         let force = |driver: &granule_drivers::TimeStepDriver| driver.view().bodies().force_of(place);
         assert_eq!(force(&silent).map(f64::to_bits), force(&loud).map(f64::to_bits));
+    }
+}
+
+#[test]
+fn the_angle_of_a_heap_is_that_of_its_cone() {
+    // Cells of a grid of spacing 1 whose centres lie in cones of radius 15: the outermost ring is missing or not, 1/30 of the radius.
+    for slope in [0.4, 1.0] {
+        let mut bodies = Vec::new();
+        for (x, y) in (-15..=15).flat_map(|x| (-15..=15).map(move |y| (f64::from(x), f64::from(y)))) {
+            let height = slope * (15.0 - f64::hypot(x, y));
+            let layers = height.max(0.0).round() as u32;
+            bodies.extend((0..layers).map(|layer| Body {
+                radius: 0.5,
+                position: [100.0 + x, y, 7.0 + f64::from(layer)],
+                ..Body::default()
+            }));
+        }
+        let mut plan = plan(&bodies, 1000.0, 0.0, 1e-3, 0);
+        plan.gravity = [0.0, 0.0, -10.0];
+        plan.outputs = vec![output("all.csv", OutputKind::Series(vec!["repose_angle".into()]), 1)];
+        let folder = tempfile::tempdir().unwrap();
+        run(plan, folder.path());
+        let angle = csv::read(folder.path().join("all.csv")).unwrap().column("repose_angle").unwrap()[0];
+        assert!((angle.tan() / slope - 1.0).abs() < 1.0 / 30.0, "{} for {slope}", angle.tan());
     }
 }

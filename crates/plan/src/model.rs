@@ -300,7 +300,7 @@ pub enum OutputKind {
 }
 
 /// Quantities of a CSV time series: name, unit, meaning.
-pub const SERIES: [(&str, &str, &str); 19] = [
+pub const SERIES: [(&str, &str, &str); 20] = [
     ("kinetic_energy", "J", "kinetic energy of translation"),
     ("rotational_energy", "J", "kinetic energy of rotation"),
     ("elastic_energy", "J", "energy stored in contacts (energy ledger)"),
@@ -326,6 +326,11 @@ pub const SERIES: [(&str, &str, &str); 19] = [
     ("coordination_number", "1", "contacts with bodies and walls per body"),
     ("mean_height", "m", "mean height of the centres along the direction against gravity"),
     ("maximum_height", "m", "largest height of a centre along the direction against gravity"),
+    (
+        "repose_angle",
+        "rad",
+        "slope of the cone (in the plane, of the triangle) with the mean height and mean distance from the axis of a heap",
+    ),
     ("maximum_overlap", "m", "largest overlap of all contacts"),
     ("maximum_speed", "m/s", "largest speed of a body"),
 ];

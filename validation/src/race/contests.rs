@@ -111,7 +111,7 @@ pub const CONTESTS: [Contest; 5] = [
     },
 ];
 
-const RESTITUTION: f64 = 0.9;
+pub const RESTITUTION: f64 = 0.9;
 
 fn contact(stiffness: f64) -> f64 {
     contact_of(stiffness, RESTITUTION)
