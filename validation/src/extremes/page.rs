@@ -17,7 +17,7 @@ judged as we are:
 - **right**: the expected answer; where the scene makes no sense, any refusal with a message.
 - **warns**: a wrong answer with a warning.
 - **dies**: a message and no answer, where there is one.
-- **no end**: not done after ten seconds.
+- **no end**: not done after forty seconds.
 - **wrong silently**: a wrong answer and no word of it.
 - **-**: it cannot be told the scene: hard spheres from event to event, oblique walls, or a law that it does not have.
 

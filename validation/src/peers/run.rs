@@ -62,7 +62,7 @@ pub struct Attempt {
     pub warnings: Vec<String>,
 }
 
-/// Runs inputs that may make no sense, for ten seconds at most: nothing of the answer is checked.
+/// Runs inputs that may make no sense, for forty seconds at most: nothing of the answer is checked.
 ///
 /// # Errors
 /// The engine is missing, stops with an error or does not end, or files cannot be written.
@@ -74,7 +74,7 @@ pub fn attempt(files: &InputFiles, folder: &Path) -> Result<Attempt, PeerError> 
     }
     std::fs::create_dir_all(folder).map_err(|error| file(folder, error))?;
     files.write(folder)?;
-    let options = RunOptions { timeout: std::time::Duration::from_secs(10), ..RunOptions::default() };
+    let options = RunOptions { timeout: std::time::Duration::from_secs(40), ..RunOptions::default() };
     let finished = run_script(files.engine, files.script_name, folder, &options)?;
     let warnings = finished.output.lines().filter(|line| line.contains("WARNING"));
     let warnings = warnings.map(str::to_owned).collect();

@@ -42,7 +42,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "stiffness",
-        extreme: "stiffness from 1e3 to 1e14 N/m",
+        extreme: "stiffness from 1 to 1e14 N/m, below 1e3 N/m at 1 mm/s",
         expected: "the same restitution to 1e-3; the overlap goes with k^(-1/2), exponent to 1e-3",
         slow: false,
         check: stiffness,
@@ -214,6 +214,18 @@ fn decades(
 }
 
 fn stiffness(lab: &Lab) -> Result<String, String> {
+    // At 1 m/s the bodies would pass through each other: the case `too-soft`.
+    for k in [1.0, 10.0, 100.0] {
+        let balls = [ball([0.0; 3], [1e-3, 0.0, 0.0]), ball([0.020001, 0.0, 0.0], [0.0; 3])];
+        let time = 1e-3 + 1.2 * std::f64::consts::PI * (0.005f64 / k).sqrt();
+        let end = lab.run(&scene(
+            &balls,
+            &format!("normal: LinearSpringDashpot(stiffness: {k:?}, restitution: 0.8)"),
+            &format!("driver: TimeStep(step: Auto(steps_per_contact: 2000)), run: (duration: {time:?})"),
+        ))?;
+        let restitution = (end[1].velocity[0] - end[0].velocity[0]) / 1e-3;
+        ensure((restitution - 0.8).abs() < 1e-3, || format!("e = {restitution} at {k} N/m"))?;
+    }
     decades(
         lab,
         &[1e3, 1e6, 1e9, 1e12, 1e14],

@@ -2,6 +2,7 @@
 
 mod hard;
 mod impact;
+mod lasting;
 mod many;
 mod place;
 mod refused;
@@ -21,6 +22,7 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
         place::CASES,
         spin::CASES,
         rest::CASES,
+        lasting::CASES,
         many::CASES,
         hard::CASES,
         refused::CASES,
