@@ -1,4 +1,4 @@
-//! How soft is soft enough: packing fraction, angle of repose and flow rate against the stiffness.
+//! How soft is soft enough: packing fraction and flow rate against the stiffness.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -27,7 +27,7 @@ struct Case {
 }
 
 /// Lengths in diameters, masses in those of a sphere, gravity is 1.
-const CASES: [Case; 3] = [
+const CASES: [Case; 2] = [
     Case {
         name: "packing fraction",
         what: "400 spheres poured on a floor between periodic sides: their volume over twice the volume below their mean height",
@@ -37,20 +37,6 @@ const CASES: [Case; 3] = [
             let volume = loose(view).len() as f64 * std::f64::consts::PI / 6.0;
             let height = loose(view).iter().map(|x| x[2]).sum::<f64>() / loose(view).len() as f64;
             volume / (36.0 * 2.0 * height)
-        },
-    },
-    Case {
-        name: "angle of repose",
-        what: "400 spheres that collapse on a floor of glued spheres: slope of the cone with their mean height and mean distance [degrees]",
-        scene: collapse,
-        times: (25.0, 22.0),
-        measure: |view| {
-            let all = loose(view);
-            let mean = |of: &dyn Fn(&[f64; 3]) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
-            let (x, y) = (mean(&|a| a[0]), mean(&|a| a[1]));
-            // The surface of the glued spheres is at half a diameter.
-            let (height, aside) = (mean(&|a| a[2] - 0.5), mean(&|a| (a[0] - x).hypot(a[1] - y)));
-            (2.0 * height / aside).atan().to_degrees()
         },
     },
     Case {
@@ -89,15 +75,6 @@ fn settling() -> String {
          cell: (lo: (0, 0, 0), hi: (6, 6, inf), periodic: (true, true, false)), \
          bodies: [Fill(material: \"a\", radius: 0.5, count: 400, lo: (0, 0, 0), hi: (6, 6, 24), velocity_spread: 0.3)], \
          walls: {{ \"floor\": Plane(point: (0, 0, 0), normal: (0, 0, 1), material: \"a\") }}, run: (duration: TIME))"
-    )
-}
-
-fn collapse() -> String {
-    format!(
-        "(version: 1, gravity: (0, 0, -1), {LAWS} bodies: [\
-         Lattice(material: \"a\", radius: 0.5, spacing: 1, lo: (-16, -16, 0), hi: (16, 16, 0), frozen: true), \
-         Fill(material: \"a\", radius: 0.5, count: 400, lo: (-3.5, -3.5, 1), hi: (3.5, 3.5, 19), velocity_spread: 0.1)], \
-         run: (duration: TIME))"
     )
 }
 
