@@ -14,7 +14,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 pub use event::EventDriver;
-pub use granule_engine::{ContactForce, ContactPartner, ContactRecord, EngineError, Tally, Work};
+pub use granule_engine::{
+    Alarm, AlarmKind, ContactForce, ContactPartner, ContactRecord, EngineError, Tally, Work,
+};
 pub use granule_events::Counts;
 pub use rolling::RollingDriver;
 pub use saved::{DriverState, Moment, restore};
@@ -56,6 +58,10 @@ pub trait Driver: Send {
     fn view(&self) -> View<'_>;
     /// What decides how the run goes on, for [`restore`].
     fn save(&self) -> DriverState<'_>;
+    /// Limits that were passed since the last call and end no run.
+    fn alarms(&mut self) -> Vec<Alarm> {
+        Vec::new()
+    }
     /// Where the time went.
     fn timings(&self) -> Timings;
     /// Worker threads in use.

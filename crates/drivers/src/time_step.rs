@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use granule_engine::{Engine, EngineError, EngineState, Phase};
+use granule_engine::{Alarm, Engine, EngineError, EngineState, Phase};
 use granule_plan::Plan;
 
 use crate::{Advance, Driver, DriverState, Timings, View};
@@ -107,6 +107,10 @@ impl Driver for TimeStepDriver {
 
     fn save(&self) -> DriverState<'_> {
         DriverState::Steps(Box::new(self.engine.save()))
+    }
+
+    fn alarms(&mut self) -> Vec<Alarm> {
+        self.engine.alarms()
     }
 
     fn timings(&self) -> Timings {

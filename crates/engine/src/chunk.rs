@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use granule_law_api::{Arm, Columns, ContactChunk, EnergyColumns, Real, Stage};
 use granule_plan::Composition;
+use granule_state::Row;
 use nalgebra::Vector3;
 
 use crate::blame;
@@ -279,6 +280,17 @@ impl<T: Real> Batch<T> {
                 tally.slipped[slot] += sum(&self.energy[3]);
             }
         }
+    }
+
+    /// Largest overlap over the radius of the smaller body: of the `own` bodies of a tile with all bodies.
+    #[cold]
+    #[inline(never)]
+    pub fn relative_overlap(&self, own: &[Row], all: &[Row]) -> f64 {
+        let relative = |k: usize| {
+            let radius = own[self.i[k] as usize][3].min(all[self.j[k] as usize][3]);
+            self.overlap[k].wide() / radius
+        };
+        (0..self.count).map(relative).fold(0.0, f64::max)
     }
 
     /// Largest overlap of the batch \[m\].

@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 
 use crate::blame;
 use crate::error::EngineError;
+use crate::guards::Watch;
 use crate::level::Level;
 use crate::lists::Lists;
 use crate::resolve::StepRows;
@@ -63,6 +64,7 @@ pub struct Engine {
     tally: Tally,
     work: Work,
     substrate: SubstrateTally,
+    pub(crate) watch: Watch,
 }
 
 impl Engine {
@@ -165,6 +167,7 @@ impl Engine {
             level: Level::new(&plan, planar, threads, instructions)?,
             lists: Lists::new(&plan, &bodies, size),
             tally: Tally::new(plan.walls.len()),
+            watch: Watch::new(&plan),
             plan,
             bodies,
             integrator,
@@ -233,7 +236,7 @@ impl Engine {
     /// Does `steps` steps. `watch` is told each phase before it begins.
     ///
     /// # Errors
-    /// A number is no longer finite, a law panics, or lists cannot be made. The state is then that of the failing step.
+    /// A number is no longer finite, a limit is passed, a law panics, or lists cannot be made. The state is then that of the failing step.
     pub fn advance(&mut self, steps: u64, watch: &mut (dyn FnMut(Phase) + Send)) -> Result<(), EngineError> {
         // All steps run inside the pool, so that its threads stay awake between the phases of a step.
         let pool = self.pool.clone();
@@ -263,7 +266,11 @@ impl Engine {
             let time = (self.step as f64 + self.integrator.force_time()) * dt;
             self.update_lists(time)?;
             watch(Phase::Forces);
-            self.evaluate(time, dt, last);
+            let watched = self.watch.looks(self.step + 1);
+            self.evaluate(time, dt, last || watched);
+            if watched {
+                self.watch_overlap()?;
+            }
             watch(Phase::Integration);
             self.integrate(if last { Sweep::Finish } else { Sweep::FinishBegin })?;
             self.step += 1;
@@ -362,7 +369,7 @@ impl Engine {
         let travelled = pass.maximum_displacement_squared.sqrt();
         self.lists.travel(travelled);
         self.moved += 2.0 * travelled;
-        Ok(())
+        self.watch_travel(travelled)
     }
 
     fn sweep(&mut self, kind: Sweep) -> Pass {

@@ -1,5 +1,7 @@
 //! Why a run stops.
 
+use crate::guards::Alarm;
+
 /// A run that cannot go on.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EngineError {
@@ -40,6 +42,8 @@ pub enum EngineError {
         /// Simulated time \[s\].
         time: f64,
     },
+    /// A limit was passed at which the run ends.
+    Guard(Alarm),
     /// The periodic cell is too small for one image per pair, or candidates cannot be found.
     Search(String),
     /// What the event-driven engine says.
@@ -69,6 +73,7 @@ impl std::fmt::Display for EngineError {
                  this is a fault of the law, to be reported to its author, unless these numbers are absurd because the step is too \
                  large"
             ),
+            Self::Guard(alarm) => alarm.fmt(f),
             Self::Search(reason) => write!(f, "candidates cannot be found: {reason}"),
             Self::Events(reason) => f.write_str(reason),
             Self::Saved(what) => {

@@ -14,6 +14,8 @@ pub struct Tally {
     pub wall_contacts: u64,
     /// Largest overlap \[m\].
     pub maximum_overlap: f64,
+    /// Largest overlap over the radius of the smaller body.
+    pub relative_overlap: f64,
     /// Elastic energy \[J\] by slot; zero without the energy ledger.
     pub elastic: [f64; Slot::ALL.len()],
     /// Viscous (or plastic) dissipation \[W\] by slot; zero without the energy ledger.
@@ -55,6 +57,7 @@ impl Tally {
         self.contacts += other.contacts;
         self.wall_contacts += other.wall_contacts;
         self.maximum_overlap = self.maximum_overlap.max(other.maximum_overlap);
+        self.relative_overlap = self.relative_overlap.max(other.relative_overlap);
         self.add_energies(other, 1.0);
         for slot in 0..Slot::ALL.len() {
             self.lacking.viscous[slot] += other.lacking.viscous[slot];

@@ -277,7 +277,13 @@ impl Tile {
         }
         self.tally.contacts += batch.count as u64;
         if at.overlap {
-            self.tally.maximum_overlap = self.tally.maximum_overlap.max(batch.maximum_overlap());
+            let largest = batch.maximum_overlap();
+            self.tally.maximum_overlap = self.tally.maximum_overlap.max(largest);
+            let relative = match at.radius {
+                Some(radius) => largest / radius,
+                None => batch.relative_overlap(&at.bodies.position[self.first..], at.bodies.position),
+            };
+            self.tally.relative_overlap = self.tally.relative_overlap.max(relative);
         }
         let tangential = composition.writes.contains(Columns::TANGENTIAL_FORCE);
         let rolls = composition.writes.contains(Columns::TORQUE);

@@ -150,6 +150,11 @@ impl Tile {
         self.tally.wall_contacts += batch.count as u64;
         if at.overlap {
             self.tally.maximum_overlap = self.tally.maximum_overlap.max(batch.maximum_overlap());
+            for k in 0..batch.count {
+                let radius = at.bodies.position[self.first + batch.i[k] as usize][3];
+                let relative = batch.overlap[k].wide() / radius;
+                self.tally.relative_overlap = self.tally.relative_overlap.max(relative);
+            }
         }
         let rolls = composition.writes.contains(Columns::TORQUE);
         if at.records {

@@ -15,7 +15,7 @@ use crate::load::Source;
 use crate::run::{RunError, VERSION};
 
 /// Layout of the content; every change of what is saved gives it a new number.
-const LAYOUT: u32 = 1;
+const LAYOUT: u32 = 2;
 /// Names are `checkpoint-`, the number of the step with enough digits to sort by name, and this.
 const EXTENSION: &str = "granule";
 const PREFIX: &str = "checkpoint-";

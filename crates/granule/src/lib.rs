@@ -35,8 +35,10 @@
 //! names each once: `use my_law as _;`.
 
 mod calibrate;
+mod capsule;
 mod checkpoint;
 mod directory;
+mod guards;
 mod law_check;
 mod load;
 mod progress;
@@ -56,7 +58,7 @@ pub use load::{
 };
 pub use progress::{Outlook, Progress, Silent, Status};
 pub use resume::{ResumeError, ResumeOptions, resume};
-pub use run::{Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};
+pub use run::{Aftermath, Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};
 pub use selftest::{SelftestResult, selftest, selftest_names};
 
 /// The crates behind this one, for whoever needs more of them than the [`prelude`] has.

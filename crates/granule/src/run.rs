@@ -5,13 +5,15 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use granule_drivers::{Advance, Counts, Driver, EngineError};
+use granule_drivers::{Advance, Alarm, Counts, Driver, EngineError, View};
 use granule_formats::Provenance;
 use granule_observers::{Energy, MANIFEST, ObserveError, Observers};
 use granule_plan::Plan;
 
+use crate::capsule::{self, Moments};
 use crate::checkpoint::{KeepError, Keeper};
 use crate::directory::{self, DirectoryError, default_directory};
+use crate::guards::{self, Lookout};
 use crate::load::{LoadError, Loaded, Source, load};
 use crate::progress::{Outlook, Progress, Status};
 use crate::record::{Record, Recorder};
@@ -60,7 +62,7 @@ pub struct EnergyDrift {
 }
 
 impl EnergyDrift {
-    fn between(start: &Energy, end: &Energy) -> Self {
+    pub(crate) fn between(start: &Energy, end: &Energy) -> Self {
         let contained = |energy: &Energy| energy.kinetic + energy.rotational + energy.elastic;
         let dissipated = end.dissipated_viscous + end.dissipated_friction;
         let exchanged = [dissipated, end.wall_work, end.gravity - start.gravity];
@@ -105,6 +107,16 @@ pub struct RunSummary {
     pub checkpoint: Option<PathBuf>,
 }
 
+/// What is known of a failure of the physics.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Aftermath {
+    /// Where the bodies are that it speaks of, what they touch, the likely cause, and a remedy: further lines of the message,
+    /// or nothing.
+    pub about: String,
+    /// The smallest scene found in which the same happens.
+    pub capsule: Option<PathBuf>,
+}
+
 /// Why a run failed.
 #[derive(Debug)]
 pub enum RunError {
@@ -116,8 +128,10 @@ pub enum RunError {
     Engine {
         /// Why.
         error: EngineError,
+        /// What else is known of it.
+        aftermath: Box<Aftermath>,
         /// Folder of the outputs.
-        directory: PathBuf,
+        directory: Box<Path>,
     },
     /// An output cannot be written.
     Output(ObserveError),
@@ -132,7 +146,7 @@ impl std::fmt::Display for RunError {
         match self {
             Self::Load(error) => error.fmt(f),
             Self::Directory(error) => error.fmt(f),
-            Self::Engine { error, .. } => error.fmt(f),
+            Self::Engine { error, aftermath, .. } => write!(f, "{error}{}", aftermath.about),
             Self::Output(error) => error.fmt(f),
             Self::Manifest(reason) => write!(f, "the manifest cannot be written: {reason}"),
             Self::Checkpoint(reason) => write!(f, "no checkpoint can be written: {reason}"),
@@ -183,7 +197,7 @@ pub fn run_plan(
     let observers = Observers::from_plan(&plan, directory, &provenance)?;
     let lock = directory::prepare(directory, &plan, options.force).map_err(RunError::Directory)?;
     let plan = Arc::new(plan);
-    let engine = |error| RunError::Engine { error, directory: directory.to_path_buf() };
+    let engine = |error| RunError::Engine { error, aftermath: Box::default(), directory: directory.into() };
     let driver = granule_drivers::driver(Arc::clone(&plan), options.threads).map_err(engine)?;
     let mut run = Run::new(plan, driver, observers, source, directory, created, lock);
     run.begin(options.progress, options.stop, options.max_time)
@@ -210,6 +224,10 @@ pub(crate) struct Run {
     observers: Observers,
     recorder: Recorder,
     keeper: Option<Keeper>,
+    lookout: Lookout,
+    moments: Moments,
+    source: Option<Source>,
+    start_energy: Option<Energy>,
     directory: PathBuf,
     /// The last checkpoint that was written.
     kept: Option<PathBuf>,
@@ -241,6 +259,10 @@ impl Run {
             bodies: plan.bodies.len(),
             recorder: Recorder::new(&plan, source, directory, SystemTime::now()),
             keeper,
+            lookout: Lookout::new(&plan),
+            moments: Moments::default(),
+            source: source.cloned(),
+            start_energy: None,
             directory: directory.to_path_buf(),
             kept: None,
             first: driver.step(),
@@ -287,6 +309,7 @@ impl Run {
         if let Some(keeper) = &mut self.keeper {
             keeper.start(start_energy, (!fresh).then_some(self.first));
         }
+        self.start_energy = start_energy;
         let directory = self.directory.clone();
         let steps = self.plan.driver.steps;
         progress.begin(&Outlook {
@@ -307,7 +330,22 @@ impl Run {
                 let _ = self.observers.close();
                 let _ = self.record(&format!("failed: {error}"), None);
                 return Err(match error {
-                    Failure::Engine(error) => RunError::Engine { error, directory },
+                    Failure::Engine(error) => {
+                        let mut about = guards::about(&error, &self.driver.view());
+                        let capsule = self.capsule(&error);
+                        if let Some((path, bodies)) = &capsule {
+                            let plural = if *bodies == 1 { "body" } else { "bodies" };
+                            about.push_str(&format!(
+                                "\n  the same happens in a scene of {bodies} {plural}: {}",
+                                path.display()
+                            ));
+                        }
+                        {
+                            let capsule = capsule.map(|(path, _)| path);
+                            let aftermath = Box::new(Aftermath { about, capsule });
+                            RunError::Engine { error, aftermath, directory: directory.into() }
+                        }
+                    }
                     Failure::Observe(error) => RunError::Output(error),
                     Failure::Keep(error) => error.into(),
                 });
@@ -356,6 +394,8 @@ impl Run {
         let steps = self.plan.driver.steps;
         if fresh {
             self.observe(Observers::start)?;
+        } else {
+            self.moments.keep(&self.driver.view());
         }
         // Steps between two reports: doubled and halved until they take about as long as `REPORT`.
         let mut stride: u64 = 1;
@@ -364,7 +404,7 @@ impl Run {
             let due = self.observers.next_due(step).unwrap_or(u64::MAX);
             let keep = self.keeper.as_ref().map_or(u64::MAX, |keeper| keeper.next_due(step));
             let report = step.saturating_add(stride);
-            let until = steps.min(due).min(report).min(keep);
+            let until = steps.min(due).min(report).min(keep).min(self.lookout.next_due(step));
             let before = Instant::now();
             let advance = self.driver.advance(until, limits.stop)?;
             let spent = before.elapsed();
@@ -373,12 +413,16 @@ impl Run {
             } else if spent > REPORT {
                 stride = (stride / 2).max(1);
             }
+            for alarm in self.driver.alarms() {
+                warn(progress, &alarm, &self.driver.view());
+            }
             if advance == Advance::Stopped {
                 return self.end_early(Ending::Stopped);
             }
             if until == due {
                 self.observe(Observers::observe)?;
             }
+            self.look(progress)?;
             progress.advance(&self.status());
             let over = limits.max_time.is_some_and(|most| self.begin.elapsed() >= most);
             let step = self.driver.step();
@@ -391,6 +435,24 @@ impl Run {
         }
         self.observe(Observers::finish)?;
         Ok(Ending::Completed)
+    }
+
+    /// Looks for what the engine does not watch.
+    fn look(&mut self, progress: &mut dyn Progress) -> Result<(), Failure> {
+        if self.lookout.next_due(self.driver.step().saturating_sub(1)) == self.driver.step() {
+            let view = self.driver.view();
+            for alarm in self.lookout.look(&view, self.start_energy.as_ref())? {
+                warn(progress, &alarm, &view);
+            }
+            self.moments.keep(&view);
+        }
+        Ok(())
+    }
+
+    /// Leaves the smallest scene in which the run fails as it has.
+    fn capsule(&self, error: &EngineError) -> Option<(PathBuf, usize)> {
+        let source = self.source.as_ref()?;
+        capsule::write(&self.directory, source, &self.plan, &self.moments, error, self.driver.step())
     }
 
     /// Keeps the state before outputs get the entry of an early end, which a continued run does not have.
@@ -411,7 +473,7 @@ impl Run {
 
     fn observe(
         &mut self,
-        look: impl FnOnce(&mut Observers, &granule_drivers::View<'_>) -> Result<(), ObserveError>,
+        look: impl FnOnce(&mut Observers, &View<'_>) -> Result<(), ObserveError>,
     ) -> Result<(), Failure> {
         if self.observers.is_empty() {
             return Ok(());
@@ -466,6 +528,12 @@ impl Run {
             result_hash,
         })
     }
+}
+
+/// Tells of a limit that was passed in a run that goes on.
+fn warn(progress: &mut dyn Progress, alarm: &Alarm, view: &View<'_>) {
+    let error = EngineError::Guard(*alarm);
+    progress.warn(&format!("warning: {alarm}{}", guards::about(&error, view)));
 }
 
 /// Why the steps of a run ended early.

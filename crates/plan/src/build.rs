@@ -12,7 +12,7 @@ use granule_scene::{
 
 use crate::allowance::Allowance;
 use crate::bodies::Draft;
-use crate::model::{Decision, Dimensions, MaterialPlan, Plan, Precision, Scheme};
+use crate::model::{Decision, Dimensions, Guards, MaterialPlan, Plan, Precision, Scheme};
 use crate::{bodies, checks, laws, outputs, schedule, substrate, walls};
 
 /// Plans a scene. `base` is the folder that imported files are relative to.
@@ -163,6 +163,7 @@ impl Builder<'_> {
             event,
             outputs: Vec::new(),
             checkpoint: None,
+            guards: Guards::default(),
             decisions: Vec::new(),
             fingerprint: String::new(),
         };
@@ -175,6 +176,7 @@ impl Builder<'_> {
         }
         outputs::outputs(self, &mut plan);
         crate::checkpoint::checkpoint(self, &mut plan);
+        crate::guards::guards(self, &mut plan);
         self.decide(&plan, &drafts);
         plan.decisions = std::mem::take(&mut self.decisions);
         plan.fingerprint = crate::fingerprint::fingerprint(&plan);

@@ -12,6 +12,7 @@ mod conventions;
 mod event;
 mod explain;
 mod fingerprint;
+mod guards;
 mod impacts;
 mod laws;
 mod limits;
@@ -31,9 +32,9 @@ pub use explain::explain;
 pub use fingerprint::fingerprint;
 pub use limits::{Limits, limits};
 pub use model::{
-    BodyTable, CheckpointPlan, CollisionPlan, Composition, Decision, Dimensions, EventPlan, MaterialPlan,
-    OutputKind, OutputPlan, Partner, Plan, Precision, SERIES, Scheme, Search, Slides, StagePlan,
-    SubstrateMaterial, SubstratePlan, TimeStepPlan, WallPlan,
+    BodyTable, CheckpointPlan, CollisionPlan, Composition, Decision, Dimensions, EventPlan, Guard, Guards,
+    MaterialPlan, OutputKind, OutputPlan, Partner, Plan, Precision, SERIES, Scheme, Search, Slides,
+    StagePlan, SubstrateMaterial, SubstratePlan, TimeStepPlan, WallPlan,
 };
 pub use place::{FEWEST_STEPS, Place, map_name};
 pub use single::SingleImpact;

@@ -249,6 +249,46 @@ pub struct OutputPlan {
     pub every: u64,
 }
 
+/// What happens where a limit is passed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Guard {
+    /// Nothing.
+    #[default]
+    Off,
+    /// It is said once, and the run goes on.
+    Warn(f64),
+    /// The run ends.
+    Stop(f64),
+}
+
+impl Guard {
+    /// The limit; infinite if nothing happens beyond any.
+    pub fn limit(self) -> f64 {
+        match self {
+            Self::Off => f64::INFINITY,
+            Self::Warn(limit) | Self::Stop(limit) => limit,
+        }
+    }
+
+    /// True if the run ends beyond the limit.
+    pub fn stops(self) -> bool {
+        matches!(self, Self::Stop(_))
+    }
+}
+
+/// What is watched during a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Guards {
+    /// Overlap over the radius of the smaller body.
+    pub overlap: Guard,
+    /// Distance moved in one step over the smallest radius.
+    pub travel: Guard,
+    /// Distance of a centre from the cell over the radius.
+    pub lost: Guard,
+    /// Residual of the energy ledger over the energy turned over.
+    pub energy: Guard,
+}
+
 /// When the state of a run is kept, besides when it is stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CheckpointPlan {
@@ -383,6 +423,8 @@ pub struct Plan {
     pub outputs: Vec<OutputPlan>,
     /// When the state is kept; `None` for never.
     pub checkpoint: Option<CheckpointPlan>,
+    /// What is watched during the run.
+    pub guards: Guards,
     /// What is included, what is left out, and why.
     pub decisions: Vec<Decision>,
     /// Hash of everything above that determines the results: 32 hexadecimal digits. Outputs do not enter it.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-use granule_scene::{EveryChoice, OutputBlock, OutputChoice, Spanned, suggestion};
+use granule_scene::{EveryChoice, GuardChoice, OutputBlock, OutputChoice, Spanned, suggestion};
 
 use crate::build::Builder;
 use crate::model::{OutputKind, OutputPlan, Plan, SERIES};
@@ -90,6 +90,10 @@ pub(crate) fn outputs(builder: &mut Builder<'_>, plan: &mut Plan) {
             }
         };
         plan.outputs.extend(path.map(|path| OutputPlan { path, kind, every }));
+    }
+    let asked = scene.guards.energy.as_ref().is_some_and(|guard| guard.value != GuardChoice::Off);
+    if asked {
+        ledger_for.get_or_insert_with(|| "the guard `energy`".to_string());
     }
     plan.ledger = scene.ledger || ledger_for.is_some();
     let why = match (&ledger_for, scene.ledger) {

@@ -4,7 +4,9 @@ use granule_geometry::Cell;
 use granule_law_api::Impact;
 
 use crate::fingerprint::fingerprint;
-use crate::model::{BodyTable, Composition, MaterialPlan, Partner, Plan, Search, StagePlan, TimeStepPlan};
+use crate::model::{
+    BodyTable, Composition, Guards, MaterialPlan, Partner, Plan, Search, StagePlan, TimeStepPlan,
+};
 
 /// An impact of two equal bodies under one composition of a plan: a moving one meets one at rest. Their mass and radius are
 /// twice the reduced ones, so that they stand for any two bodies with the same reduced mass, reduced radius and inertia
@@ -67,6 +69,7 @@ impl SingleImpact {
             event: None,
             outputs: Vec::new(),
             checkpoint: None,
+            guards: Guards::default(),
             decisions: Vec::new(),
             fingerprint: String::new(),
         };

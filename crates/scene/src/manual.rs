@@ -44,6 +44,7 @@ const CHAPTERS: &[(&str, &str, &[&Block])] = &[
             &spec::ARCS,
             &spec::RUN,
             &spec::CHECKPOINT,
+            &spec::GUARDS,
         ],
     ),
     (

@@ -3,6 +3,7 @@
 mod accuracy;
 mod bodies;
 mod contacts;
+mod guards;
 mod run;
 mod substrate;
 mod walls;
@@ -88,6 +89,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
     let run = r.required(&f, "run", |r, _, node| run::length(r, node));
     let outputs = section(r, f.get("outputs"), &at, run::outputs);
     let checkpoint = r.optional(&f, "checkpoint", |r, _, node| run::checkpoint(r, node));
+    let guards = r.optional(&f, "guards", |r, _, node| guards::block(r, node));
     let ledger = r.optional(&f, "ledger", Reader::boolean);
     Some(Scene {
         title: title.flatten().map_or(String::new(), |title| title.value),
@@ -123,6 +125,7 @@ fn scene(r: &mut Reader, node: Node<'_>) -> Option<Scene> {
         run,
         outputs,
         checkpoint: checkpoint.flatten(),
+        guards: guards.flatten().unwrap_or_default(),
         ledger: ledger.flatten().unwrap_or(false),
     })
 }

@@ -2,12 +2,14 @@
 
 mod accuracy;
 mod checkpoint;
+mod guards;
 mod outputs;
 
 use std::ops::Range;
 
 pub use accuracy::{AccuracyBlock, AccuracyGoal};
 pub use checkpoint::CheckpointChoice;
+pub use guards::{GuardChoice, GuardsBlock};
 pub use outputs::{EveryChoice, OutputBlock, OutputChoice};
 
 /// A value and the bytes of the text that it was read from.
@@ -89,6 +91,8 @@ pub struct Scene {
     pub outputs: Section<OutputBlock>,
     /// When the state is kept.
     pub checkpoint: Option<CheckpointChoice>,
+    /// What is watched during the run.
+    pub guards: GuardsBlock,
     /// The energy ledger is asked for.
     pub ledger: bool,
     /// False if anything could not be read.

@@ -3,6 +3,7 @@
 mod accuracy;
 mod checkpoint;
 mod event;
+mod guards;
 mod layer;
 mod outputs;
 mod substrate;
@@ -10,6 +11,7 @@ mod substrate;
 pub use accuracy::{ACCURACY, BUDGET};
 pub use checkpoint::CHECKPOINT;
 pub use event::{ARCS, EFFECTIVE_RESTITUTION, EVENT};
+pub use guards::GUARDS;
 pub use layer::{IMPACTS_OUTPUT, LAYER_OUTPUT, PAIR_CORRELATION_OUTPUT};
 pub use outputs::{BODIES_OUTPUT, CONTACTS_OUTPUT, DATA_OUTPUT, DUMP_OUTPUT, SERIES_OUTPUT, VTK_OUTPUT};
 pub use substrate::SUBSTRATE;
@@ -170,6 +172,12 @@ pub const SCENE: Block = Block {
             "block Checkpoint, or `Never`",
             "every 10 minutes of the clock",
             "When the state of the run is kept, so that it can be continued.",
+        ),
+        opt(
+            "guards",
+            "block Guards",
+            "as in that block",
+            "What is watched, and what happens where a limit is passed.",
         ),
         opt(
             "ledger",

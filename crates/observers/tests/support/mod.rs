@@ -162,6 +162,7 @@ pub fn plan(bodies: &[Body], stiffness: f64, damping: f64, step: f64, steps: u64
         },
         outputs: Vec::new(),
         checkpoint: None,
+        guards: granule_plan::Guards::default(),
         decisions: Vec::new(),
         fingerprint: FINGERPRINT.into(),
     }
