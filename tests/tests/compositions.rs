@@ -121,8 +121,17 @@ fn compare(impact: &Impact, laws: &str, registry: &Registry) -> Verdict {
         Err(ReferenceError::NoEnd(time)) => {
             let slow = impact.stepped(laws, 1e-3 * time, 100_000, registry);
             let Some(slow) = slow else { return Verdict::Creeps };
-            let rest = slow[0].velocity[2] - slow.get(1).map_or(0.0, |other| other.velocity[2]);
-            // In the end, bodies hardly move against each other.
+            // Towards each other: the line of centres of a pair may have turned.
+            let rest = match slow.get(1) {
+                Some(other) => {
+                    let apart = |axis: usize| slow[0].position[axis] - other.position[axis];
+                    let along = |axis: usize| (slow[0].velocity[axis] - other.velocity[axis]) * apart(axis);
+                    let distance = (0..3).map(|axis| apart(axis).powi(2)).sum::<f64>().sqrt();
+                    (0..3).map(along).sum::<f64>() / distance
+                }
+                None => slow[0].velocity[2],
+            };
+            // In the end, bodies hardly move along it.
             assert!(rest.abs() < 0.05 * impact.speed, "{laws}: {rest} although the contact does not end");
             return Verdict::Creeps;
         }
@@ -161,8 +170,8 @@ fn compare(impact: &Impact, laws: &str, registry: &Registry) -> Verdict {
     Verdict::Agrees
 }
 
-/// Runs `rounds` impacts of each pair of laws (of each pair of their examples) under each end of contact.
-fn compare_all(seed: u64, rounds: usize, every_example: bool) {
+/// Runs `rounds` impacts of each pair of laws, with examples at random, under each end of contact.
+fn compare_all(seed: u64, rounds: usize) {
     let registry = Registry::collect().unwrap();
     let mut draw = Draw(seed);
     let (mut agree, mut creep, mut refused) = (0, 0, 0);
@@ -173,9 +182,7 @@ fn compare_all(seed: u64, rounds: usize, every_example: bool) {
             for &n in normal.info.examples {
                 pairs.extend(tangential.info.examples.iter().map(|&t| (n, t)));
             }
-            if !every_example {
-                pairs = (0..rounds).map(|_| draw.one(&pairs)).collect();
-            }
+            let pairs: Vec<_> = (0..rounds).map(|_| draw.one(&pairs)).collect();
             for (n, t) in pairs {
                 for end in ["Force", "Overlap"] {
                     let impact = Impact::random(&mut draw);
@@ -200,11 +207,5 @@ fn compare_all(seed: u64, rounds: usize, every_example: bool) {
 
 #[test]
 fn the_reference_agrees_with_time_steps() {
-    compare_all(1, 1, false);
-}
-
-#[test]
-#[ignore = "slow: every example of every law with every other"]
-fn the_reference_agrees_with_time_steps_for_every_example() {
-    compare_all(std::env::var("SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(2), 1, true);
+    compare_all(1, 1);
 }
