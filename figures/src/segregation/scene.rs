@@ -9,12 +9,14 @@ pub(super) enum Model {
     TimeSteps,
     /// (c): from collision to collision along arcs.
     Arcs,
-    /// (c) with one rolling friction for both species.
+    /// (c), where collisions within the duration of a contact of (a) after another one lose nothing.
+    LongContacts,
+    /// (c) with the larger rolling friction for both species.
     Control,
 }
 
 /// All, and the dearest first.
-pub(super) const MODELS: [Model; 3] = [Model::TimeSteps, Model::Arcs, Model::Control];
+pub(super) const MODELS: [Model; 4] = [Model::TimeSteps, Model::Arcs, Model::LongContacts, Model::Control];
 
 impl Model {
     /// For names of files.
@@ -22,6 +24,7 @@ impl Model {
         match self {
             Self::TimeSteps => "steps",
             Self::Arcs => "arcs",
+            Self::LongContacts => "long-contacts",
             Self::Control => "control",
         }
     }
@@ -31,16 +34,8 @@ impl Model {
         match self {
             Self::TimeSteps => "(a) time steps",
             Self::Arcs => "(c) arcs",
+            Self::LongContacts => "(c) arcs, long contacts",
             Self::Control => "(c) arcs, equal rolling friction",
-        }
-    }
-
-    /// Number of layers, each with its own seed.
-    pub fn seeds(self) -> u64 {
-        match self {
-            Self::TimeSteps => 3,
-            Self::Arcs => 4,
-            Self::Control => 2,
         }
     }
 }
@@ -53,16 +48,30 @@ pub(super) const PACKING: f64 = 0.5;
 pub(super) const RESTITUTION: f64 = 0.9;
 /// Rolling friction of the two species.
 pub(super) const ROLLING: [f64; 2] = [1e-3, 0.1];
-/// Duration of a contact, and step \[s\], of (a).
-pub(super) const CONTACT: (f64, f64) = (2e-3, 1e-4);
+/// Steps in a contact of (a).
+pub(super) const STEPS: f64 = 20.0;
 /// Amplitude \[m\] and frequency \[Hz\] of the plate along x.
 pub(super) const SHAKING: (f64, f64) = (5e-3, 4.0);
 
+/// One layer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Case {
+    pub model: Model,
+    /// Beads of each species along a side.
+    pub side: usize,
+    /// Simulated time \[s\].
+    pub duration: f64,
+    /// Duration of a contact of (a) \[s\].
+    pub contact: f64,
+    pub seed: u64,
+}
+
 /// A plate with a frame that shakes with it, and twice `side`² beads on it, mixed as the fields of a chessboard.
-pub(super) fn scene(model: Model, side: usize, duration: f64, seed: u64) -> String {
+pub(super) fn scene(case: &Case) -> String {
+    let Case { model, side, duration, contact, seed } = *case;
     let spacing = (2.0 * PI * RADIUS * RADIUS / PACKING).sqrt();
     let width = spacing * side as f64;
-    let rolling = if model == Model::Control { [ROLLING[0]; 2] } else { ROLLING };
+    let rolling = if model == Model::Control { [ROLLING[1]; 2] } else { ROLLING };
     let lattice = |species: usize| {
         let first = spacing * (0.25 + 0.5 * species as f64);
         format!(
@@ -81,16 +90,19 @@ pub(super) fn scene(model: Model, side: usize, duration: f64, seed: u64) -> Stri
         Model::TimeSteps => {
             format!(
                 "normal: LinearSpringDashpot(restitution: {RESTITUTION}, contact_duration: {:e})",
-                CONTACT.0
+                contact
             )
         }
-        Model::Arcs | Model::Control => format!("collision: HardSphere(restitution: {RESTITUTION})"),
+        Model::Arcs | Model::LongContacts | Model::Control => {
+            format!("collision: HardSphere(restitution: {RESTITUTION})")
+        }
     };
     let contacts: String = [(0, 0), (0, 1), (1, 1)]
         .map(|(one, other)| format!(r#"(between: ("{one}", "{other}"), {collision}),"#))
         .concat();
     let driver = match model {
-        Model::TimeSteps => format!("TimeStep(step: {:e})", CONTACT.1),
+        Model::TimeSteps => format!("TimeStep(step: {:e})", contact / STEPS),
+        Model::LongContacts => format!("Event(step: 0.5, slides: Arcs(), contact_duration: {contact:e})"),
         Model::Arcs | Model::Control => {
             "Event(step: 0.5, slides: Arcs(), contact_duration: 1e-4)".to_string()
         }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use granule_drivers::driver;
 use granule_observers::layer::{Layer, clusters, segregation_index};
 
-use super::scene::{MODELS, Model, RADIUS, scene};
+use super::scene::{Case, RADIUS, scene};
 use crate::Error;
 use crate::simulate::plan;
 
@@ -26,47 +26,45 @@ pub(super) struct Row {
 
 /// One run.
 pub(super) struct Record {
-    pub model: Model,
+    pub case: Case,
     pub rows: Vec<Row>,
     /// The layer at the end.
     pub last: Layer,
     /// Time on a processor \[s\].
     pub cost: f64,
-    /// Collisions of (c).
-    pub collisions: u64,
 }
 
-/// Layers of twice `side`² beads in every model and with every seed, with a record at the start and `records` later ones.
+/// Runs all cases, several at a time, with a record at the start and `records` later ones.
 ///
 /// # Errors
 /// A run ends with an error.
-pub(super) fn sweep(side: usize, duration: f64, records: usize) -> Result<Vec<Record>, Error> {
-    let jobs: Vec<(Model, u64)> =
-        MODELS.iter().flat_map(|model| (1..=model.seeds()).map(|seed| (*model, seed))).collect();
+pub(super) fn sweep(cases: &[Case], records: usize) -> Result<Vec<Record>, Error> {
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::new());
-    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(jobs.len());
+    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(cases.len());
     std::thread::scope(|scope| {
         for _ in 0..workers {
             scope.spawn(|| {
-                while let Some((model, seed)) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let record = run(*model, side, duration, records, *seed);
+                loop {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(case) = cases.get(place) else { break };
+                    let record = run(case, records);
                     if let Ok(record) = &record {
-                        eprintln!("{}, seed {seed}: {:.0} s", model.label(), record.cost);
+                        eprintln!("{case:?}: {:.0} s", record.cost);
                     }
                     let mut done = done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                    done.push(((*model, *seed), record));
+                    done.push((place, record));
                 }
             });
         }
     });
     let mut done = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    done.sort_by_key(|(job, _)| jobs.iter().position(|other| other == job));
+    done.sort_by_key(|(place, _)| *place);
     done.into_iter().map(|(_, record)| record).collect()
 }
 
-fn run(model: Model, side: usize, duration: f64, records: usize, seed: u64) -> Result<Record, Error> {
-    let mut driver = driver(plan(&scene(model, side, duration, seed))?, Some(1))?;
+fn run(case: &Case, records: usize) -> Result<Record, Error> {
+    let mut driver = driver(plan(&scene(case))?, Some(1))?;
     let steps = driver.view().plan().driver.steps;
     let clock = Clock::start();
     let mut rows = Vec::new();
@@ -84,8 +82,7 @@ fn run(model: Model, side: usize, duration: f64, records: usize, seed: u64) -> R
             cluster: clusters(&last, 0.1 * RADIUS).mean_size(),
         });
     }
-    let collisions = driver.view().events().map_or(0, |counts| counts.all());
-    Ok(Record { model, rows, last, cost, collisions })
+    Ok(Record { case: *case, rows, last, cost })
 }
 
 /// Time of this thread on a processor where the system tells it, else on the clock.
@@ -107,13 +104,14 @@ impl Clock {
 
 #[cfg(test)]
 mod tests {
+    use super::super::scene::Model;
     use super::*;
 
     /// Species that differ part, in both models; equal ones do not.
     #[test]
     fn rolling_friction_parts_the_species() {
-        let index = |model, side, time| {
-            let record = run(model, side, time, 4, 1).unwrap();
+        let index = |model, side, duration| {
+            let record = run(&Case { model, side, duration, contact: 1e-3, seed: 1 }, 4).unwrap();
             assert_eq!(record.last.rows.len(), 2 * side * side);
             assert!(record.rows[0].index < -0.9, "a chessboard: {:?}", record.rows[0]);
             record.rows[2..].iter().map(|row| row.index).sum::<f64>() / 3.0
