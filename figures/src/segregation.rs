@@ -34,7 +34,7 @@ fn large() -> Vec<Case> {
     let seeds = |model| match model {
         Model::TimeSteps => 3,
         Model::Arcs => 4,
-        Model::LongContacts | Model::Control => 2,
+        Model::Control => 2,
     };
     let case = |model, seed| Case { model, side: SIDE, duration: DURATION, contact: CONTACT, seed };
     MODELS.iter().flat_map(|model| (1..=seeds(*model)).map(|seed| case(*model, seed))).collect()
@@ -104,7 +104,7 @@ fn temperature(records: &[Record]) -> Plot {
     let title = "Granular temperature of the species that rolls easily (1) and of the other one (2)";
     let mut plot = Plot::new(title, Axis::linear("time [s]"), Axis::log("granular temperature [m^2/s^2]"))
         .with_size(720.0, 460.0);
-    for model in [Model::TimeSteps, Model::Arcs, Model::LongContacts] {
+    for model in [Model::TimeSteps, Model::Arcs] {
         for species in 0..2 {
             // The layer starts at a temperature of its own.
             let [mut time, mut mean, mut error] = over_seeds(records, model, |row| row.temperature[species]);

@@ -9,14 +9,12 @@ pub(super) enum Model {
     TimeSteps,
     /// (c): from collision to collision along arcs.
     Arcs,
-    /// (c), where collisions within the duration of a contact of (a) after another one lose nothing.
-    LongContacts,
     /// (c) with the larger rolling friction for both species.
     Control,
 }
 
 /// All, and the dearest first.
-pub(super) const MODELS: [Model; 4] = [Model::TimeSteps, Model::Arcs, Model::LongContacts, Model::Control];
+pub(super) const MODELS: [Model; 3] = [Model::TimeSteps, Model::Arcs, Model::Control];
 
 impl Model {
     /// For names of files.
@@ -24,7 +22,6 @@ impl Model {
         match self {
             Self::TimeSteps => "steps",
             Self::Arcs => "arcs",
-            Self::LongContacts => "long-contacts",
             Self::Control => "control",
         }
     }
@@ -34,7 +31,6 @@ impl Model {
         match self {
             Self::TimeSteps => "(a) time steps",
             Self::Arcs => "(c) arcs",
-            Self::LongContacts => "(c) arcs, long contacts",
             Self::Control => "(c) arcs, equal rolling friction",
         }
     }
@@ -93,7 +89,7 @@ pub(super) fn scene(case: &Case) -> String {
                 contact
             )
         }
-        Model::Arcs | Model::LongContacts | Model::Control => {
+        Model::Arcs | Model::Control => {
             format!("collision: HardSphere(restitution: {RESTITUTION})")
         }
     };
@@ -102,7 +98,6 @@ pub(super) fn scene(case: &Case) -> String {
         .concat();
     let driver = match model {
         Model::TimeSteps => format!("TimeStep(step: {:e})", contact / STEPS),
-        Model::LongContacts => format!("Event(step: 0.5, slides: Arcs(), contact_duration: {contact:e})"),
         Model::Arcs | Model::Control => {
             "Event(step: 0.5, slides: Arcs(), contact_duration: 1e-4)".to_string()
         }
