@@ -111,8 +111,8 @@ fn walls_that_turn_in_the_plane_and_in_space() {
         bodies: [Fill(material: "a", radius: Uniform(min: "0.2 mm", max: "0.3 mm"), count: 500,
             lo: (0, 0), hi: ("15 mm", "15 mm"), velocity: (0, -0.5), velocity_spread: 0.2)],
         walls: { "floor": Plane(point: (0, 0), normal: (0, 1), material: "a") },
-        contacts: [(between: ("a", "a"), normal: LinearSpringDashpot(stiffness: 1e3, restitution: 0.7),
-            tangential: TangentialSpring(stiffness: 285, friction: 0.5, damping: 1e-3))],
+        contacts: [(between: ("a", "a"), normal: LinearSpringDashpot(stiffness: 1e5, restitution: 0.7),
+            tangential: TangentialSpring(stiffness: 2.85e4, friction: 0.5, damping: 1e-3))],
         driver: TimeStep(step: "5 us"), run: (steps: 4000))"#;
     same_bits_in_parts("discs", discs, &PARTS);
 }

@@ -26,8 +26,8 @@ fn discs(steps: u64) -> String {
         bodies: [Fill(material: "a", radius: Uniform(min: "0.2 mm", max: "0.3 mm"), count: 2000,
             lo: (0, 0), hi: ("30 mm", "30 mm"), velocity: (0, -0.5), velocity_spread: 0.2)],
         walls: {{ "floor": Plane(point: (0, 0), normal: (0, 1), material: "a") }},
-        contacts: [(between: ("a", "a"), normal: LinearSpringDashpot(stiffness: 1e3, restitution: 0.7),
-            tangential: TangentialSpring(stiffness: 285, friction: 0.5, damping: 1e-3))],
+        contacts: [(between: ("a", "a"), normal: LinearSpringDashpot(stiffness: 1e5, restitution: 0.7),
+            tangential: TangentialSpring(stiffness: 2.85e4, friction: 0.5, damping: 1e-3))],
         driver: TimeStep(step: "5 us"), run: (steps: {steps}))"#
     )
 }
