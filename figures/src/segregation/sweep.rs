@@ -107,7 +107,7 @@ mod tests {
     use super::super::scene::Model;
     use super::*;
 
-    /// Species that differ part, in both models; equal ones do not.
+    /// Species that differ part, in both models; beads of equal rolling friction move with the plate as one and lie as they lay.
     #[test]
     fn rolling_friction_parts_the_species() {
         let index = |model, side, duration| {
@@ -117,8 +117,8 @@ mod tests {
             record.rows[2..].iter().map(|row| row.index).sum::<f64>() / 3.0
         };
         // Of n pairs of neighbours at random, the index strays by 1/sqrt(n): 0.04 with 288 beads, and less in a mean.
-        let (parted, mixed) = (index(Model::Arcs, 12, 20.0), index(Model::Control, 12, 20.0));
-        assert!(parted > 0.15 && mixed < 0.12 && parted - mixed > 0.12, "{parted} {mixed}");
+        let (parted, equal) = (index(Model::Arcs, 12, 20.0), index(Model::Control, 12, 20.0));
+        assert!(parted > 0.15 && equal < -0.2, "{parted} {equal}");
         let (steps, arcs) = (index(Model::TimeSteps, 6, 8.0), index(Model::Arcs, 6, 8.0));
         // With 72 beads 0.08 each.
         assert!((steps - arcs).abs() < 0.3, "{steps} {arcs}");
