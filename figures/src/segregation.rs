@@ -24,6 +24,8 @@ const LATE: f64 = 40.0;
 
 /// Duration of a contact of (a) in the large layers \[s\].
 const CONTACT: f64 = 2e-3;
+/// Durations of contacts of (a) in further large layers, one seed each \[s\].
+const SHORTER: [f64; 2] = [1e-3, 5e-4];
 /// Small layers, for the duration of contacts: beads of each species along a side, simulated time, records, seeds.
 const SMALL: (usize, f64, usize, u64) = (22, 30.0, 30, 6);
 /// Durations of contacts of (a) in small layers \[s\].
@@ -38,6 +40,12 @@ fn large() -> Vec<Case> {
     };
     let case = |model, seed| Case { model, side: SIDE, duration: DURATION, contact: CONTACT, seed };
     MODELS.iter().flat_map(|model| (1..=seeds(*model)).map(|seed| case(*model, seed))).collect()
+}
+
+/// The large layers with shorter contacts, the dearest first.
+fn shorter() -> Vec<Case> {
+    let case = |contact| Case { model: Model::TimeSteps, side: SIDE, duration: DURATION, contact, seed: 1 };
+    SHORTER.iter().rev().map(|contact| case(*contact)).collect()
 }
 
 /// The small layers.
@@ -58,6 +66,7 @@ pub fn make(docs: bool) -> Result<(), Error> {
     let pictures = if docs { "figures/segregation" } else { "segregation" };
     let place = folder.join(pictures);
     std::fs::create_dir_all(&place)?;
+    let shorter = sweep(&shorter(), RECORDS)?;
     let records = sweep(&large(), RECORDS)?;
     let contacts = sweep(&small(), SMALL.2)?;
     for (name, plot) in [("index", index(&records)), ("temperature", temperature(&records))] {
@@ -69,7 +78,7 @@ pub fn make(docs: bool) -> Result<(), Error> {
         std::fs::write(place.join(format!("{}.svg", model.name())), picture(record)?)?;
     }
     let path = folder.join("segregation.md");
-    std::fs::write(&path, page::page(&records, &contacts, pictures))?;
+    std::fs::write(&path, page::page(&records, &shorter, &contacts, pictures))?;
     println!("segregation: {}", path.display());
     Ok(())
 }

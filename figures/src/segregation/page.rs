@@ -10,10 +10,10 @@ use crate::mean_and_error;
 const TEXT: &str = "\
 Kondic 1999, Sec. V, expects beads that differ in rolling friction alone to part on a shaken plate. They do, in both ways to run
 the scene: in time steps on the `substrate` (a), and from collision to collision along arcs in closed form,
-`Event(slides: Arcs())` (c). Computed by `cargo xtask figures segregation --docs`; the runs take two to three hours of a processor.
+`Event(slides: Arcs())` (c). Computed by `cargo xtask figures segregation --docs`; the runs take four to five hours of a processor.
 ";
 
-pub(super) fn page(records: &[Record], contacts: &[Record], pictures: &str) -> String {
+pub(super) fn page(records: &[Record], shorter: &[Record], contacts: &[Record], pictures: &str) -> String {
     let mut page = format!("# Segregation by rolling friction\n\n{TEXT}");
     let text = &mut page;
     // Writing to a string cannot fail.
@@ -56,19 +56,14 @@ pub(super) fn page(records: &[Record], contacts: &[Record], pictures: &str) -> S
     }
     let of =
         |model| records.iter().filter(move |record: &&Record| record.case.model == model).collect::<Vec<_>>();
-    let runs = [Model::TimeSteps, Model::Arcs].map(of);
-    let [a, c] = [0, 1].map(|k: usize| mean_and_error(&late(&runs[k], |row| row.index)));
-    let [steps, arcs] =
-        [0, 1].map(|k: usize| mean_and_error(&runs[k].iter().map(|run| run.cost).collect::<Vec<_>>()).0);
+    let [steps, arcs] = [Model::TimeSteps, Model::Arcs].map(of);
     let _ = writeln!(
         text,
-        "\n(c) takes {:.2} times fewer seconds of a processor than (a). The late indices of (a) and (c) differ by {:.3} ± {:.3}, more \
-         than their seeds scatter: both part the species, (a) with these soft contacts less and at a higher temperature. Small layers, \
-         below, do not show the difference. Beads of equal rolling friction move with the plate as one: they hardly collide, and lie as they lay.",
-        steps / arcs,
-        (a.0 - c.0).abs(),
-        a.1.hypot(c.1),
+        "\n(a) with these contacts parts the species less than (c), at a higher temperature and in smaller clusters, by more than the \
+         seeds scatter: its contacts are too long, as the next table shows. Beads of equal rolling friction move with the plate as \
+         one: they hardly collide, and lie as they lay."
     );
+    approach(text, &steps, shorter, &arcs);
     softness(text, contacts);
     let _ = writeln!(
         text,
@@ -78,6 +73,46 @@ pub(super) fn page(records: &[Record], contacts: &[Record], pictures: &str) -> S
         let _ = writeln!(text, "\n![{}]({pictures}/{}.svg)", model.label(), model.name());
     }
     page
+}
+
+/// How the large layers of (a) approach those of (c) as their contacts become shorter.
+fn approach(text: &mut String, steps: &[&Record], shorter: &[Record], arcs: &[&Record]) {
+    let [wide, close] = [steps, arcs].map(|runs| runs.len().to_string());
+    let _ = writeln!(
+        text,
+        "\n## (a) approaches (c) as its contacts become shorter\n\nIn clusters contacts follow each other faster than long ones end. The same \
+         large layers, late means; errors of means over seeds where there are several:\n\n\
+         | model | seeds | index | temperature of the easy rollers | of the others | beads in the cluster of a bead | s of a processor |\n\
+         |---|--:|--:|--:|--:|--:|--:|"
+    );
+    let mut row = |name: String, seeds: &str, runs: &[&Record]| {
+        let cost: Vec<f64> = runs.iter().map(|run| run.cost).collect();
+        let _ = writeln!(
+            text,
+            "| {name} | {seeds} | {} | {} mm²/s² | {} mm²/s² | {} | {:.0} |",
+            told(&late(runs, |row| row.index), 1.0, 3),
+            told(&late(runs, |row| row.temperature[0]), 1e6, 1),
+            told(&late(runs, |row| row.temperature[1]), 1e6, 1),
+            told(&late(runs, |row| row.cluster), 1.0, 1),
+            mean_and_error(&cost).0,
+        );
+    };
+    row(format!("(a), contacts of {} ms", 1e3 * CONTACT), &wide, steps);
+    for run in shorter.iter().rev() {
+        row(format!("(a), contacts of {} ms", 1e3 * run.case.contact), "1", &[run]);
+    }
+    row("(c)".to_string(), &close, arcs);
+    let Some(shortest) = shorter.first() else { return };
+    let hard = mean_and_error(&late(arcs, |row| row.index)).0;
+    let soft = mean_and_error(&late(&[shortest], |row| row.index)).0;
+    let cost = mean_and_error(&arcs.iter().map(|run| run.cost).collect::<Vec<_>>()).0;
+    let _ = writeln!(
+        text,
+        "\nWith contacts of {} ms the index of (a) differs from that of (c) by {:+.3}, and (c) takes {:.1} times fewer seconds of a processor.",
+        1e3 * shortest.case.contact,
+        soft - hard,
+        shortest.cost / cost,
+    );
 }
 
 /// What the duration of a contact does, by the small layers.
@@ -93,7 +128,7 @@ fn softness(text: &mut String, records: &[Record]) {
     let (hard, seconds) = index(Model::Arcs, 0.0);
     let _ = writeln!(
         text,
-        "\n## How soft the contacts of (a) may be\n\nWhile beads touch, the surface brakes them: contacts that are softer than those of steel, which \
+        "\n## How soft the contacts of (a) may be in small layers\n\nWhile beads touch, the surface brakes them: contacts that are softer than those of steel, which \
          last 0.02 ms, take up to μ_k g t_c from their relative velocity, where a collision of (c) takes no time. In small layers of {} beads \
          that changes the index by no more than the scatter; means over {seeds} seeds and the times from {from} s to {duration} s:\n\n\
          | model | μ_k g t_c | index | difference to (c) | s of a processor |\n|---|--:|--:|--:|--:|",
@@ -130,8 +165,11 @@ fn since(begin: f64, runs: &[&Record], value: impl Fn(&Row) -> f64) -> Vec<f64> 
         .collect()
 }
 
-/// Mean and standard error.
+/// Mean, and its standard error if there are several values.
 fn told(values: &[f64], unit: f64, digits: usize) -> String {
     let (mean, error) = mean_and_error(values);
+    if values.len() < 2 {
+        return format!("{:.digits$}", unit * mean);
+    }
     format!("{:.digits$} ± {:.digits$}", unit * mean, unit * error)
 }
