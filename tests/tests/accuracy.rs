@@ -119,7 +119,19 @@ fn a_table_decides_for_its_scene() {
     let best = &study.settings[study.chosen.unwrap()];
     assert!(choice.error <= 0.01 && choice.quantity == "velocities");
     assert_eq!(choice.setting, best.setting);
-    planned(&choice);
+    let plan = std::sync::Arc::new(planned(&choice));
+    let mut meter = choice.meter(&plan).unwrap();
+    let mut driver = granule_drivers::driver(plan.clone(), Some(1)).unwrap();
+    meter.begin(&driver.view());
+    while let Some(step) = meter.next_due() {
+        driver.advance(step, &never).unwrap();
+        meter.look(&driver.view());
+    }
+    // The run is the first of those that the table was made of.
+    let realised = choice.realised(meter).unwrap();
+    assert!(realised.error <= choice.error, "{realised:?}, {} expected", choice.error);
+    assert!(realised.error > 0.0 && realised.chance < 0.01, "{realised:?}");
+    assert_eq!(choice.realised(choice.meter(&plan).unwrap()), None, "nobody looked");
     let stricter = decided(&scene(normal, "", &wish(1e-3))).unwrap().unwrap();
     assert!(stricter.error <= 1e-3, "{}", stricter.why());
     let time = format!("budget: (seconds: {:?}, table: {place:?})", 100.0 * choice.seconds.unwrap());

@@ -14,11 +14,14 @@ use granule_law_api::Registry;
 use granule_plan::{Plan, limits};
 use granule_scene::{
     AccuracyGoal, Diagnostic, IntegratorChoice, PrecisionChoice, RunBlock, Scene, Severity, remove_field,
+    set_field,
 };
 
 pub use self::impacts::Impacts;
+use crate::observable::{need_ledger, observable};
+use crate::reference::distance;
 use crate::setting::integrator_name;
-use crate::{Omission, Setting, chosen_scene};
+use crate::{Meter, Omission, Setting, chosen_scene};
 
 /// Steps in a contact that are tried: factors of √2 from the fewest that follow a contact at all.
 const FEWEST: f64 = 10.0;
@@ -51,6 +54,30 @@ pub struct Choice {
     pub table: Vec<String>,
     /// Step in impacts \[s\]; what a repetition of the measurement needs.
     step: Option<f64>,
+    /// What quantities should be, of a table.
+    against: Option<Against>,
+}
+
+/// What a run can be held against.
+#[derive(Clone, Debug, PartialEq)]
+struct Against {
+    /// Names of the quantities whose errors count.
+    names: Vec<String>,
+    /// Components of each in the reference.
+    values: Vec<Vec<f64>>,
+    /// Size of each, which errors are divided by.
+    scales: Vec<f64>,
+    /// How far single runs of the reference lie from its mean, or how well it is known if it is a path; relative.
+    scatter: Vec<f64>,
+}
+
+/// How far a run was from the reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Realised {
+    /// Largest relative error of the quantities that count.
+    pub error: f64,
+    /// What of it may be chance: standard deviation of single runs of the reference, or its uncertainty if it is a path; relative.
+    pub chance: f64,
 }
 
 impl Choice {
@@ -59,6 +86,24 @@ impl Choice {
         let time =
             self.seconds.map_or_else(String::new, |seconds| format!(", about {seconds:.3} s of the clock"));
         format!("{}: error of {} {:.2e}{time}", self.setting.label(), self.quantity, self.error)
+    }
+
+    /// What has to be looked at during the run, so that its error is known afterwards. `None` where no table says what should
+    /// come out.
+    pub fn meter(&self, plan: &Plan) -> Option<Meter> {
+        let against = self.against.as_ref()?;
+        let observables: Result<Vec<_>, _> = against.names.iter().map(|name| observable(name)).collect();
+        Some(Meter::new(plan, &observables.ok()?))
+    }
+
+    /// How far the run was from the reference of the table; `None` if it was not followed to its end.
+    pub fn realised(&self, meter: Meter) -> Option<Realised> {
+        let against = self.against.as_ref()?;
+        let (values, _) = meter.result()?;
+        let errors =
+            values.iter().zip(&against.values).zip(&against.scales).map(|((a, b), s)| distance(a, b, *s));
+        let (at, error) = errors.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(Realised { error, chance: against.scatter[at] })
     }
 
     /// Repeats the measurement of impacts at phases that were not used for the prediction. `None` where another quantity
@@ -114,10 +159,17 @@ pub fn decide(
         }
         AccuracyGoal::Budget { seconds, table: None } => wish.budget(seconds.value, &seconds.span)?,
     };
-    let Decided { setting, quantity, error, seconds, table, step } = choice;
+    let Decided { setting, quantity, error, seconds, table, step, against } = choice;
     let text = chosen_scene(text, &setting, registry, folder)?;
     let text = remove_field(&text, block.goal.field()).map_err(|problem| vec![problem])?;
-    Ok(Some(Choice { text, setting, goal: block.goal.clone(), quantity, error, seconds, table, step }))
+    let kept = against.iter().flat_map(|against| &against.names).filter_map(|name| observable(name).ok());
+    let text = if need_ledger(&kept.collect::<Vec<_>>()) {
+        set_field(&text, None, "ledger", "true").map_err(|problem| vec![problem])?
+    } else {
+        text
+    };
+    let goal = block.goal.clone();
+    Ok(Some(Choice { text, setting, goal, quantity, error, seconds, table, step, against }))
 }
 
 /// A choice that is not yet written into the scene.
@@ -128,6 +180,7 @@ struct Decided {
     seconds: Option<f64>,
     table: Vec<String>,
     step: Option<f64>,
+    against: Option<Against>,
 }
 
 /// A scene and what belongs to it.
@@ -307,6 +360,7 @@ fn decided(row: Row, seconds: Option<f64>, table: Vec<String>) -> Decided {
         seconds,
         table,
         step: Some(row.step),
+        against: None,
     }
 }
 

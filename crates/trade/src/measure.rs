@@ -7,18 +7,14 @@ use std::time::{Duration, Instant};
 
 use granule_drivers::{Advance, Driver, EventDriver, RollingDriver, TimeStepDriver};
 use granule_law_api::Registry;
-use granule_observers::Energy;
 use granule_plan::Plan;
 use granule_scene::{BodyBlock, Scene, Spanned, StepChoice};
 use serde::{Deserialize, Serialize};
 
-use crate::observable::{Kind, Observable, kind};
+use crate::meter::Meter;
+use crate::observable::Observable;
 use crate::{Omission, Setting, TradeError};
 
-/// Share of the run at its end over which means are taken.
-const LAST: f64 = 0.2;
-/// Moments in that share, and before it.
-const MOMENTS: u64 = 20;
 /// Shortest wall-clock time that is measured: shorter runs are repeated.
 const MEASURABLE: Duration = Duration::from_millis(20);
 /// Realisations of a scene without random parts take up to this share of steps more: enough to move a contact that begins
@@ -143,32 +139,10 @@ impl Subject<'_> {
         driver: &mut dyn Driver,
         stop: &AtomicBool,
     ) -> Result<Sample, Option<String>> {
-        let start = Energy::of(&driver.view());
-        let measure = |driver: &dyn Driver| -> Vec<Vec<f64>> {
-            let view = driver.view();
-            let now = Energy::of(&view);
-            self.observables.iter().map(|observable| observable.measure(&view, &now, &start)).collect()
-        };
-        let steps = plan.driver.steps;
-        let mut scales = sizes(&measure(driver));
-        // Moments before the last share are looked at for the size of the observables only.
-        let begin_of_mean = match kind(plan) {
-            Kind::Paths => steps,
-            Kind::Means => steps - (LAST * steps as f64).round() as u64 + 1,
-        };
-        let mut moments: Vec<u64> = match kind(plan) {
-            Kind::Paths => vec![steps],
-            Kind::Means => (1..=MOMENTS)
-                .map(|moment| begin_of_mean * moment / MOMENTS)
-                .chain((0..MOMENTS).map(|moment| steps - (steps - begin_of_mean) * moment / MOMENTS))
-                .collect(),
-        };
-        moments.sort_unstable();
-        moments.dedup();
-        let mut sums: Vec<Vec<f64>> = Vec::new();
-        let mut summed = 0.0;
+        let mut meter = Meter::new(plan, self.observables);
+        meter.begin(&driver.view());
         let mut wall = Duration::ZERO;
-        for moment in moments {
+        while let Some(moment) = meter.next_due() {
             let begin = Instant::now();
             match driver.advance(moment, stop) {
                 Ok(Advance::Reached) => {}
@@ -176,42 +150,12 @@ impl Subject<'_> {
                 Err(error) => return Err(Some(error.to_string())),
             }
             wall += begin.elapsed();
-            let values = measure(driver);
-            for (scale, size) in scales.iter_mut().zip(sizes(&values)) {
-                *scale = scale.max(size);
-            }
-            if moment < begin_of_mean {
-                continue;
-            }
-            summed += 1.0;
-            if sums.is_empty() {
-                sums = values;
-            } else {
-                for (sum, value) in sums.iter_mut().flatten().zip(values.iter().flatten()) {
-                    *sum += value;
-                }
-            }
+            meter.look(&driver.view());
         }
-        for sum in sums.iter_mut().flatten() {
-            *sum /= summed;
-        }
-        Ok(Sample {
-            values: sums,
-            scales,
-            wall: wall.as_secs_f64(),
-            steps,
-            step: plan.driver.step,
-            bytes_per_body: 0.0,
-        })
+        let (values, scales) = meter.result().unwrap_or_default();
+        let (wall, steps, step) = (wall.as_secs_f64(), plan.driver.steps, plan.driver.step);
+        Ok(Sample { values, scales, wall, steps, step, bytes_per_body: 0.0 })
     }
-}
-
-/// Largest component of each observable.
-fn sizes(values: &[Vec<f64>]) -> Vec<f64> {
-    values
-        .iter()
-        .map(|components| components.iter().fold(0.0, |most: f64, value| most.max(value.abs())))
-        .collect()
 }
 
 /// The initial state has random parts, so that another seed is another realisation.

@@ -18,7 +18,7 @@ const LEDGER: [&str; 5] =
 const CONTACTS: [&str; 3] = ["contacts", "coordination_number", "maximum_overlap"];
 
 /// What is measured of a run.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 pub(crate) enum Observable {
     /// Velocities of all bodies at the end \[m/s\].
     Velocities,
@@ -111,7 +111,7 @@ pub(crate) fn observables(
     names.into_iter().map(observable).collect()
 }
 
-fn observable(name: &str) -> Result<Observable, TradeError> {
+pub(crate) fn observable(name: &str) -> Result<Observable, TradeError> {
     match name {
         "velocities" => return Ok(Observable::Velocities),
         "spins" => return Ok(Observable::Spins),

@@ -3,7 +3,7 @@
 use granule_scene::{Diagnostic, PrecisionChoice, Spanned, nearest};
 use serde::Deserialize;
 
-use super::{Decided, FILLED, Wish};
+use super::{Against, Decided, FILLED, Wish};
 use crate::setting::integrator_named;
 use crate::study::identity;
 use crate::{Omission, Setting};
@@ -15,6 +15,8 @@ const FILE: &str = "trade.json";
 struct Study {
     scene: String,
     duration_s: f64,
+    realisations: u64,
+    comparison: Comparison,
     observables: Vec<Named>,
     settings: Vec<Measured>,
 }
@@ -22,6 +24,16 @@ struct Study {
 #[derive(Deserialize)]
 struct Named {
     name: String,
+    scale: f64,
+    relative_uncertainty: f64,
+    reference: Vec<f64>,
+}
+
+#[derive(Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Comparison {
+    Paths,
+    Means,
 }
 
 #[derive(Deserialize)]
@@ -167,6 +179,25 @@ impl Table {
                 })
                 .collect(),
             step: None,
+            against: Some(self.against(at)),
         })
+    }
+
+    /// What a run has to come to, in one quantity or in all.
+    fn against(&self, at: Option<usize>) -> Against {
+        let study = &self.study;
+        let runs = match study.comparison {
+            Comparison::Paths => 1.0,
+            Comparison::Means => study.realisations as f64,
+        };
+        let count = |(index, _): &(usize, &Named)| at.is_none_or(|at| at == *index);
+        let named: Vec<&Named> =
+            study.observables.iter().enumerate().filter(count).map(|(_, named)| named).collect();
+        Against {
+            names: named.iter().map(|named| named.name.clone()).collect(),
+            values: named.iter().map(|named| named.reference.clone()).collect(),
+            scales: named.iter().map(|named| named.scale).collect(),
+            scatter: named.iter().map(|named| named.relative_uncertainty * runs.sqrt()).collect(),
+        }
     }
 }
