@@ -1,11 +1,8 @@
 //! A run that is saved, ended, taken up again and continued has the bits of a run that was never interrupted.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::sync::atomic::AtomicBool;
 
 use granule_drivers::{Driver, DriverState, restore};
-use granule_plan::Plan;
 use granule_tests::plan;
 
 /// A frictional pile between walls that move: `laws` between the bodies, `driver` of the scene.
@@ -208,29 +205,6 @@ fn hard_bodies_that_slide_and_roll() {
     }
 }
 
-/// Any byte may be wrong: what can be read at all is refused or runs on, and nothing panics.
-fn harmless(plan: &Arc<Plan>, bytes: &[u8]) {
-    for at in (0..bytes.len()).step_by(bytes.len() / 400) {
-        let mut damaged = bytes.to_vec();
-        damaged[at] ^= 0x41;
-        let Ok(state) = postcard::from_bytes::<DriverState<'_>>(&damaged) else { continue };
-        if let Ok(mut driver) = restore(plan.clone(), Some(1), state) {
-            let until = driver.step().saturating_add(3).min(plan.driver.steps);
-            // A time that was changed to the far past would take as long as the run: it is stopped.
-            let stop = AtomicBool::new(false);
-            std::thread::scope(|scope| {
-                let watch = scope.spawn(|| {
-                    std::thread::park_timeout(Duration::from_millis(20));
-                    stop.store(true, Ordering::Relaxed);
-                });
-                let _ = driver.advance(until, &stop);
-                watch.thread().unpark();
-            });
-        }
-    }
-    assert!(postcard::from_bytes::<DriverState<'_>>(&bytes[..bytes.len() - 1]).is_err());
-}
-
 /// A state under another scene, or one that was changed, is refused and never used.
 #[test]
 fn what_does_not_fit_the_plan_is_refused() {
@@ -250,7 +224,6 @@ fn what_does_not_fit_the_plan_is_refused() {
     assert!(refused(&text.replace("density: 900", "density: 901")).contains("mass of a body"));
     assert!(refused(&text.replace("steps: 2000", "steps: 1000")).contains("step"));
     assert!(refused(&text.replace("VelocityVerlet", "Leapfrog")).len() > 10);
-    harmless(&plan, &bytes);
     let hard = granule_tests::plan(
         r#"(version: 1, seed: 3, materials: { "a": (density: 2500) },
         cell: (lo: (0, 0, 0), hi: ("12 mm", "12 mm", "12 mm"), periodic: (true, true, true)),
@@ -259,9 +232,6 @@ fn what_does_not_fit_the_plan_is_refused() {
         contacts: [(between: ("a", "a"), collision: HardSphere(restitution: 1))],
         driver: Event(step: 1e-3), run: (steps: 300))"#,
     );
-    let mut driver = granule_drivers::driver(hard.clone(), Some(1)).unwrap();
-    advance(driver.as_mut(), 200);
-    harmless(&hard, &to_bytes(&driver.save()));
     let state: DriverState<'_> = postcard::from_bytes(&bytes).unwrap();
     assert!(restore(hard, Some(1), state).is_err(), "the state of another driver");
 }

@@ -2,6 +2,8 @@
 //! input gives. A few thousand inputs each here, a million each with `cargo xtask fuzz`.
 #![expect(unsafe_code, reason = "a global allocator is an unsafe trait")]
 
+#[path = "fuzz/checkpoint.rs"]
+mod checkpoint;
 #[path = "fuzz/guard.rs"]
 mod guard;
 #[path = "fuzz/mutate.rs"]
@@ -249,6 +251,12 @@ fn dump() {
         }
         text.len()
     });
+}
+
+#[test]
+fn checkpoints() {
+    let bound = Bound { constant: 1 << 20, each: 100 };
+    fuzz("checkpoints", 2000, 64, bound, checkpoint::open);
 }
 
 /// Impacts of spheres with psi1 from 0 to 9 that stick, then slide (restitution 0.9, friction 0.2, tangential restitution
