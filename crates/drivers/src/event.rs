@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use granule_engine::{EngineError, SubstrateTally, Tally, Work};
-use granule_events::{BodyInput, BodyState, Counts, EventEngine, EventError, EventState, Setup, WallInput};
+use granule_events::{
+    BodyInput, BodyState, Counts, EventEngine, EventError, EventState, RuleFault, Setup, WallInput,
+};
 use granule_plan::{Dimensions, Partner, Plan};
 use granule_state::{Bodies, Layout};
 
@@ -30,7 +32,7 @@ impl EventDriver {
     /// # Errors
     /// [`EngineError::Events`]: bodies overlap, or the plan is for the other driver.
     pub fn new(plan: Arc<Plan>) -> Result<Self, EngineError> {
-        let engine = EventEngine::new(&setup(&plan)?).map_err(failed)?;
+        let engine = EventEngine::new(&setup(&plan)?).map_err(refused)?;
         Ok(Self { engine, plan, step: 0, time: 0.0, spent: Duration::ZERO })
     }
 
@@ -40,7 +42,7 @@ impl EventDriver {
     /// The state does not fit the plan.
     pub fn restore(plan: Arc<Plan>, at: Moment, state: EventState<'_>) -> Result<Self, EngineError> {
         at.check(&plan)?;
-        let engine = EventEngine::restore(&setup(&plan)?, state).map_err(failed)?;
+        let engine = EventEngine::restore(&setup(&plan)?, state).map_err(refused)?;
         Ok(Self { engine, plan, step: at.step, time: at.time, spent: Duration::ZERO })
     }
 
@@ -89,7 +91,7 @@ impl Driver for EventDriver {
                 Ok(false) => self.time = self.engine.time(),
                 Err(error) => {
                     self.time = self.engine.time();
-                    break Err(failed(error));
+                    break Err(failed(&self.plan, self.step, error));
                 }
             }
         };
@@ -153,8 +155,41 @@ pub(crate) fn work(plan: &Plan, counts: &Counts) -> Work {
     work
 }
 
-pub(crate) fn failed(error: EventError) -> EngineError {
+/// The error of a start.
+pub(crate) fn refused(error: EventError) -> EngineError {
     EngineError::Events(error.to_string())
+}
+
+/// The error of a run, at a step.
+pub(crate) fn failed(plan: &Plan, step: u64, error: EventError) -> EngineError {
+    let reason = error.to_string();
+    match error {
+        EventError::Stalled { id, .. } | EventError::NotFinite { id, .. } => {
+            EngineError::Crushed { id, reason }
+        }
+        EventError::Rule { rule, fault, seen, id, other, time } => {
+            let law = plan.event.as_ref().map_or("", |event| event.collisions[rule].law.info.name);
+            match fault {
+                RuleFault::Panicked(message) => {
+                    let among = [id].into_iter().chain(other.ok()).collect();
+                    EngineError::LawPanicked { law, message, among, step, time }
+                }
+                RuleFault::NotFinite => {
+                    let other = match other {
+                        Ok(id) => format!("body {id}"),
+                        Err(wall) => format!("wall {}", plan.walls[wall].name),
+                    };
+                    let [x, y, z] = seen.tangential_velocity;
+                    let slip = x.hypot(y).hypot(z);
+                    let contact =
+                        format!("approaching at {:e} m/s, slipping at {slip:e} m/s", seen.normal_speed);
+                    let between = format!("body {id} and {other}");
+                    EngineError::LawNotFinite { law, quantity: "impulse", between, contact, step, time }
+                }
+            }
+        }
+        _ => EngineError::Events(reason),
+    }
 }
 
 /// What the engine needs of a plan.

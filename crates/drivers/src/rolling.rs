@@ -8,7 +8,7 @@ use granule_engine::{EngineError, SubstrateTally, Tally};
 use granule_events::{Between, Counts, RollingEngine, RollingSetup, RollingState};
 use granule_plan::{Plan, Slides};
 
-use crate::event::{bodies, failed, setup, work};
+use crate::event::{bodies, failed, refused, setup, work};
 use crate::view::Snapshot;
 use crate::{Advance, Driver, DriverState, Moment, Timings, View};
 
@@ -30,7 +30,7 @@ impl RollingDriver {
     /// # Errors
     /// [`EngineError::Events`]: bodies overlap, or the plan is for another driver.
     pub fn new(plan: Arc<Plan>) -> Result<Self, EngineError> {
-        let engine = RollingEngine::new(&rolling_setup(&plan)?).map_err(failed)?;
+        let engine = RollingEngine::new(&rolling_setup(&plan)?).map_err(refused)?;
         Ok(Self { engine, plan, step: 0, time: 0.0, spent: Duration::ZERO })
     }
 
@@ -40,7 +40,7 @@ impl RollingDriver {
     /// The state does not fit the plan.
     pub fn restore(plan: Arc<Plan>, at: Moment, state: RollingState<'_>) -> Result<Self, EngineError> {
         at.check(&plan)?;
-        let engine = RollingEngine::restore(&rolling_setup(&plan)?, state).map_err(failed)?;
+        let engine = RollingEngine::restore(&rolling_setup(&plan)?, state).map_err(refused)?;
         Ok(Self { engine, plan, step: at.step, time: at.time, spent: Duration::ZERO })
     }
 
@@ -95,7 +95,7 @@ impl Driver for RollingDriver {
                 Ok(false) => self.time = self.engine.time(),
                 Err(error) => {
                     self.time = self.engine.time();
-                    break Err(failed(error));
+                    break Err(failed(&self.plan, self.step, error));
                 }
             }
         };

@@ -2,6 +2,7 @@
 //! ends the run.
 
 use std::any::Any;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 
@@ -13,8 +14,8 @@ use crate::error::EngineError;
 
 /// What unwinds from a law at fault.
 pub(crate) enum Blame {
-    /// It panicked.
-    Panic { law: &'static str, message: String },
+    /// It panicked. `places` are bodies among which those are that it was asked about.
+    Panic { law: &'static str, message: String, places: Range<usize> },
     /// It made a number that is not finite of numbers that are.
     NotFinite {
         law: &'static str,
@@ -38,7 +39,7 @@ pub(crate) enum Surface {
 /// Runs a stage. If it panics, its law is named to [`caught`], across threads. Costs nothing as long as it does not.
 #[inline]
 pub(crate) fn run<T: Real>(law: &'static str, stage: &dyn Stage<T>, chunk: &mut ContactChunk<'_, T>) {
-    guard(law, || stage.run(chunk));
+    guard(law, 0..0, || stage.run(chunk));
 }
 
 /// Runs a law of the substrate, and blames it if it panics or answers with a number that is not finite. `place` is that of the
@@ -49,7 +50,8 @@ pub(crate) fn run_substrate(
     contacts: &mut [SubstrateContact],
     place: usize,
 ) {
-    guard(law, || stage.run(contacts));
+    let places = place..place + contacts.len();
+    guard(law, places, || stage.run(contacts));
     for (k, contact) in contacts.iter().enumerate() {
         let answer = [contact.impulse, contact.couple, [contact.drilling_impulse, 0.0]];
         let given = [
@@ -78,12 +80,22 @@ pub(crate) fn run_substrate(
 }
 
 #[inline]
-fn guard(law: &'static str, work: impl FnOnce()) {
+fn guard(law: &'static str, places: Range<usize>, work: impl FnOnce()) {
     // The columns of a chunk are numbers whatever happened to them, and nobody reads them after a panic.
     if let Err(payload) = catch_unwind(AssertUnwindSafe(work)) {
         let message = message(payload.as_ref());
-        resume_unwind(Box::new(Blame::Panic { law, message }));
+        resume_unwind(Box::new(Blame::Panic { law, message, places }));
     }
+}
+
+/// Works on the bodies of some places, among which those are that a law panics about.
+pub(crate) fn among<R>(bodies: Range<usize>, work: impl FnOnce() -> R) -> R {
+    caught(work).unwrap_or_else(|mut blame| {
+        if let Blame::Panic { places, .. } = blame.as_mut() {
+            *places = bodies;
+        }
+        resume_unwind(blame)
+    })
 }
 
 /// Does what may meet a law at fault. Every other panic goes on.
@@ -167,7 +179,10 @@ impl Blame {
         wall: impl Fn(u16) -> String,
     ) -> EngineError {
         match self {
-            Self::Panic { law, message } => EngineError::LawPanicked { law, message, step, time },
+            Self::Panic { law, message, places } => {
+                let among = places.map(|place| id(place as u32)).collect();
+                EngineError::LawPanicked { law, message, among, step, time }
+            }
             Self::NotFinite { law, quantity, places, wall: at, contact } => {
                 let mut bodies: Vec<String> =
                     places.into_iter().flatten().map(|place| format!("body {}", id(place))).collect();

@@ -22,6 +22,8 @@ pub enum EngineError {
         law: &'static str,
         /// What it said.
         message: String,
+        /// Bodies among which those are that it was asked about: both of a collision, or those of a neighbourhood.
+        among: Vec<u32>,
         /// Step in which it happened.
         step: u64,
         /// Simulated time \[s\].
@@ -46,8 +48,15 @@ pub enum EngineError {
     Guard(Alarm),
     /// The periodic cell is too small for one image per pair, or candidates cannot be found.
     Search(String),
-    /// What the event-driven engine says.
+    /// What the event-driven engine says at the start.
     Events(String),
+    /// Hard bodies cannot go on: events follow each other without end, or speeds grow beyond all numbers.
+    Crushed {
+        /// A body that takes part.
+        id: u32,
+        /// What happened, and when.
+        reason: String,
+    },
     /// A saved state does not fit the plan; the part that does not.
     Saved(&'static str),
     /// Worker threads could not be started.
@@ -62,7 +71,7 @@ impl std::fmt::Display for EngineError {
                 "the {quantity} of body {id} is not finite at step {step} (time {time:e} s): the time step is too \
                  large for the forces on it, or its input was not finite"
             ),
-            Self::LawPanicked { law, message, step, time } => write!(
+            Self::LawPanicked { law, message, step, time, .. } => write!(
                 f,
                 "the law {law} panicked at step {step} (time {time:e} s): {message}; this is a fault of the law, to be \
                  reported to its author"
@@ -75,7 +84,7 @@ impl std::fmt::Display for EngineError {
             ),
             Self::Guard(alarm) => alarm.fmt(f),
             Self::Search(reason) => write!(f, "candidates cannot be found: {reason}"),
-            Self::Events(reason) => f.write_str(reason),
+            Self::Events(reason) | Self::Crushed { reason, .. } => f.write_str(reason),
             Self::Saved(what) => {
                 write!(f, "the saved state does not fit the scene, or is damaged: {what}")
             }

@@ -149,7 +149,7 @@ impl Tile {
     /// Computes the forces of all contacts that this tile owns. `force` and `torque` are the rows of its bodies.
     pub fn evaluate(&mut self, level: &Level, at: &Evaluation<'_>, force: &mut [Row], torque: &mut [Row]) {
         self.begin(at);
-        level.evaluate(self, at, force, torque);
+        blame::among(self.first..self.first + self.len, || level.evaluate(self, at, force, torque));
     }
 
     fn begin(&mut self, at: &Evaluation<'_>) {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, Identity, Period, Shell};
 use crate::cells::Cells;
+use crate::fault::{caught, watched};
 use crate::look_ahead::Ahead;
 use crate::neighbours::Neighbours;
 use crate::queue::Calendar;
@@ -159,8 +160,7 @@ impl EventEngine {
             setup.pairs.contains(&Some(index))
                 || setup.walls.iter().any(|wall| wall.rules.contains(&Some(index)))
         };
-        let rules: Vec<Rule> =
-            setup.rules.iter().map(|rule| Rule { rule: Arc::clone(rule), rough: rule.is_rough() }).collect();
+        let rules = watched(&setup.rules);
         let rotation = rules.iter().enumerate().any(|(index, rule)| rule.rough && used(index));
         let short = |rule: &Option<usize>| rule.and_then(|index| u16::try_from(index).ok());
         let count = setup.bodies.len();
@@ -221,6 +221,11 @@ impl EventEngine {
         engine.counts.renumbered = 0;
         engine.check_overlaps()?;
         Ok(engine)
+    }
+
+    /// Identity of a body.
+    fn id(&self, body: u32) -> u32 {
+        self.identities[body as usize].id
     }
 
     /// Simulated time of the last event \[s\].
@@ -307,7 +312,7 @@ impl EventEngine {
         self.window.1 += 1;
         let limit = STALL.0 * self.bodies.len() as u64 + STALL.1;
         if self.window.1 > limit {
-            let (time, id) = (self.time(), self.identities[body as usize].id);
+            let (time, id) = (self.time(), self.id(body));
             return Err(EventError::Stalled { time, id, events: limit, span: self.contact_duration });
         }
         match target.partner {
@@ -317,7 +322,9 @@ impl EventEngine {
             }
             AGAIN => self.predict(body, time),
             wall if wall >= WALLS => {
-                self.hit_wall(body, (wall - WALLS) as usize, time)?;
+                let wall = (wall - WALLS) as usize;
+                let met = |engine: &Self| (engine.id(body), Err(wall), engine.time());
+                caught(self, |engine| engine.hit_wall(body, wall, time), met)?;
                 self.predict(body, time);
             }
             other if self.queue.event(other).1.changed > target.made => {
@@ -325,7 +332,8 @@ impl EventEngine {
                 self.predict(body, time);
             }
             other => {
-                self.collide(body, other, time)?;
+                let met = |engine: &Self| (engine.id(body), Ok(engine.id(other)), engine.time());
+                caught(self, |engine| engine.collide(body, other, time), met)?;
                 self.predict(body, time);
                 self.predict(other, time);
             }

@@ -6,6 +6,7 @@
 mod body;
 mod cells;
 mod engine;
+mod fault;
 mod flight;
 mod impact;
 mod look_ahead;
@@ -22,6 +23,7 @@ mod two;
 mod wall;
 
 pub use engine::{BodyState, EventEngine, Tuning};
+pub use fault::RuleFault;
 pub use report::{Counts, HARD_LIMIT};
 pub use rolling::{Between, RollingEngine, RollingSetup, RollingState, RollingTally, RollingWork};
 pub use saved::EventState;

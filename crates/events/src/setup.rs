@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use granule_geometry::{Cell, Wall};
-use granule_law_api::CollisionRule;
+use granule_law_api::{Collision, CollisionRule};
+
+use crate::fault::RuleFault;
 
 /// One body at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,6 +91,21 @@ pub enum EventError {
         /// Simulated time \[s\].
         time: f64,
     },
+    /// A collision rule at fault.
+    Rule {
+        /// Index into [`Setup::rules`].
+        rule: usize,
+        /// What was wrong with it.
+        fault: RuleFault,
+        /// What it was given.
+        seen: Collision,
+        /// Identity of a body.
+        id: u32,
+        /// What it met: an identity, or a wall by its index.
+        other: Result<u32, usize>,
+        /// Simulated time \[s\].
+        time: f64,
+    },
     /// A saved state does not fit the setup; the part that does not.
     Saved(&'static str),
     /// Events follow each other without end: bodies are crushed.
@@ -119,6 +136,17 @@ impl std::fmt::Display for EventError {
             }
             Self::Overlap { id, other: Err(wall), overlap } => {
                 write!(f, "body {id} overlaps wall {wall} by {overlap:e} m: hard bodies cannot")
+            }
+            Self::Rule { rule, fault, id, other, time, .. } => {
+                let other = match other {
+                    Ok(id) => format!("body {id}"),
+                    Err(wall) => format!("wall {wall}"),
+                };
+                let what = match fault {
+                    RuleFault::Panicked(message) => format!("panicked: {message}"),
+                    RuleFault::NotFinite => "gave an impulse that is not finite".to_string(),
+                };
+                write!(f, "collision rule {rule}, of body {id} and {other} at time {time:e} s, {what}")
             }
             Self::Saved(what) => {
                 write!(f, "the saved state does not fit the scene, or is damaged: {what}")

@@ -1,12 +1,12 @@
 //! The smallest scene in which a run fails in the same way.
 //!
 //! Bodies near those of the error are taken as they were some steps before; then as many as possible are left out while the
-//! same still happens. What is written was run and fails.
+//! same still happens. What is written was run and fails. Hard bodies that are crushed are taken as they are then.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use granule_drivers::{Advance, AlarmKind, EngineError, View};
@@ -33,6 +33,17 @@ struct Moment {
     bodies: Vec<[[f64; 3]; 3]>,
 }
 
+impl Moment {
+    fn of(view: &View<'_>) -> Self {
+        let bodies = view.bodies();
+        let row = |place: &u32| {
+            let place = *place as usize;
+            [bodies.position[place].vector(), bodies.velocity_of(place), bodies.spin_of(place)]
+        };
+        Self { step: view.step(), bodies: view.order().iter().map(row).collect() }
+    }
+}
+
 /// The last moments of a run, from which a failure may be reproduced.
 #[derive(Default)]
 pub(crate) struct Moments(Vec<Moment>);
@@ -41,17 +52,13 @@ impl Moments {
     /// Keeps a moment, and the one before.
     pub fn keep(&mut self, view: &View<'_>) {
         let bodies = view.bodies();
-        if view.events().is_some() || bodies.len() > MOST_BODIES || !is_still(view.plan()) {
+        if bodies.len() > MOST_BODIES || !is_still(view.plan()) {
             return;
         }
-        let row = |place: &u32| {
-            let place = *place as usize;
-            [bodies.position[place].vector(), bodies.velocity_of(place), bodies.spin_of(place)]
-        };
         if self.0.len() > 1 {
             self.0.remove(0);
         }
-        self.0.push(Moment { step: view.step(), bodies: view.order().iter().map(row).collect() });
+        self.0.push(Moment::of(view));
     }
 }
 
@@ -66,6 +73,8 @@ fn is_still(plan: &Plan) -> bool {
 enum Failure {
     NotFinite,
     Law(&'static str),
+    Panic(&'static str),
+    Crushed,
     Limit(AlarmKind),
 }
 
@@ -73,6 +82,8 @@ fn failure(error: &EngineError) -> Option<Failure> {
     match error {
         EngineError::NotFinite { .. } => Some(Failure::NotFinite),
         EngineError::LawNotFinite { law, .. } => Some(Failure::Law(law)),
+        EngineError::LawPanicked { law, .. } => Some(Failure::Panic(law)),
+        EngineError::Crushed { .. } => Some(Failure::Crushed),
         EngineError::Guard(alarm) => Some(Failure::Limit(alarm.kind)),
         _ => None,
     }
@@ -86,21 +97,59 @@ pub(crate) fn write(
     plan: &Plan,
     moments: &Moments,
     error: &EngineError,
-    step: u64,
+    view: &View<'_>,
 ) -> Option<(PathBuf, usize)> {
-    let search = Search { source, plan, failure: failure(error)?, until: Instant::now() + PATIENCE };
+    let (over, found) = (AtomicBool::new(false), AtomicBool::new(false));
+    let search = Search { source, plan, failure: failure(error)?, over: &over };
+    let until = Instant::now() + PATIENCE;
+    std::thread::scope(|scope| {
+        let clock = scope.spawn(|| {
+            while !found.load(Ordering::Relaxed) {
+                match until.checked_duration_since(Instant::now()) {
+                    Some(left) => std::thread::park_timeout(left),
+                    None => return over.store(true, Ordering::Relaxed),
+                }
+            }
+        });
+        let capsule = quietly(|| write_within(directory, &search, moments, error, view));
+        found.store(true, Ordering::Relaxed);
+        clock.thread().unpark();
+        capsule
+    })
+}
+
+/// Says nothing of panics: a law that panics does so again and again while the scene is made smaller.
+fn quietly<R>(work: impl FnOnce() -> R) -> R {
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let done = work();
+    std::panic::set_hook(hook);
+    done
+}
+
+fn write_within(
+    directory: &Path,
+    search: &Search<'_>,
+    moments: &Moments,
+    error: &EngineError,
+    view: &View<'_>,
+) -> Option<(PathBuf, usize)> {
+    let (plan, step) = (search.plan, view.step());
     let start = Moment {
         step: 0,
         bodies: (0..plan.bodies.len())
             .map(|k| [plan.bodies.position[k], plan.bodies.velocity[k], plan.bodies.spin[k]])
             .collect(),
     };
-    let named: Vec<usize> =
-        bodies_of(error).iter().filter_map(|id| plan.bodies.id.binary_search(id).ok()).collect();
-    if plan.event.is_some() {
-        return None;
+    let mut named = bodies_of(error);
+    if let EngineError::LawPanicked { among, .. } = error {
+        named.extend(among.first());
     }
-    for moment in moments.0.iter().rev().chain([&start]) {
+    let named: Vec<usize> = named.iter().filter_map(|id| plan.bodies.id.binary_search(id).ok()).collect();
+    // Soft bodies at fault are no longer where they can be put.
+    let now = plan.event.is_some() && is_still(plan) && plan.bodies.len() <= MOST_BODIES;
+    let now = now.then(|| Moment::of(view));
+    for moment in now.iter().chain(moments.0.iter().rev()).chain([&start]) {
         // Twice as long as the run itself went on, and long enough for every guard to look.
         let steps = 2 * step.saturating_sub(moment.step) + 2048;
         let near = near(plan, moment, &named);
@@ -115,7 +164,7 @@ pub(crate) fn write(
                 let title = format!(
                     "// {} bodies of {} as they were at step {}: {}\n",
                     chosen.len(),
-                    source.path.display(),
+                    search.source.path.display(),
                     moment.step,
                     error.to_string().replace('\n', " ")
                 );
@@ -124,7 +173,7 @@ pub(crate) fn write(
                 granule_formats::atomic::write(&path, text.as_bytes()).ok()?;
                 return Some((path, chosen.len()));
             }
-            if Instant::now() >= search.until {
+            if search.over.load(Ordering::Relaxed) {
                 return None;
             }
         }
@@ -153,7 +202,8 @@ struct Search<'a> {
     source: &'a Source,
     plan: &'a Plan,
     failure: Failure,
-    until: Instant,
+    /// The time for it is over.
+    over: &'a AtomicBool,
 }
 
 impl Search<'_> {
@@ -164,10 +214,9 @@ impl Search<'_> {
         let mut driver = granule_drivers::driver(Arc::clone(&plan), Some(1)).ok()?;
         let mut lookout = Lookout::new(&plan);
         let start = plan.ledger.then(|| Energy::of(&driver.view()));
-        let never = AtomicBool::new(false);
-        while driver.step() < steps && Instant::now() < self.until {
+        while driver.step() < steps {
             let until = lookout.next_due(driver.step()).min(steps);
-            let advanced = driver.advance(until, &never);
+            let advanced = driver.advance(until, self.over);
             let looked = match advanced {
                 Ok(Advance::Reached) => lookout.look(&driver.view(), start.as_ref()).map(|_| ()),
                 Ok(Advance::Stopped) => return None,
@@ -249,27 +298,38 @@ impl Search<'_> {
             Guard::Stop(limit) => format!("Stop({limit:e})"),
         };
         let g = plan.guards;
-        let guards = format!(
-            "(overlap: {}, travel: {}, lost: {}, energy: {})",
-            guard(g.overlap),
-            guard(g.travel),
-            guard(g.lost),
-            guard(g.energy)
-        );
+        let mut guards = vec![("lost", g.lost), ("energy", g.energy)];
+        if plan.event.is_none() {
+            guards.extend([("overlap", g.overlap), ("travel", g.travel)]);
+        }
+        let guards: Vec<String> =
+            guards.into_iter().map(|(name, choice)| format!("{name}: {}", guard(choice))).collect();
         let text = ["accuracy", "budget", "checkpoint", "outputs"]
             .into_iter()
             .try_fold(self.source.text.clone(), |text, field| remove_field(&text, field))
             .ok()?;
         let step = format!("{:e}", plan.driver.step);
-        [
+        let mut changes = vec![
             (None, "bodies", bodies),
             (None, "run", format!("(steps: {steps})")),
-            (None, "guards", guards),
-            (None, "allow_overlap", "true".to_string()),
-            (Some(("driver", "TimeStep")), "step", step),
-        ]
-        .into_iter()
-        .try_fold(text, |text, (block, field, value)| set_field(&text, block, field, &value))
-        .ok()
+            (None, "guards", format!("({})", guards.join(", "))),
+        ];
+        match &plan.event {
+            None => changes.extend([
+                (None, "allow_overlap", "true".to_string()),
+                (Some(("driver", "TimeStep")), "step", step),
+            ]),
+            Some(event) => {
+                let driver = Some(("driver", "Event"));
+                changes.push((driver, "step", step));
+                if event.contact_duration > 0.0 {
+                    changes.push((driver, "contact_duration", format!("{:e}", event.contact_duration)));
+                }
+            }
+        }
+        changes
+            .into_iter()
+            .try_fold(text, |text, (block, field, value)| set_field(&text, block, field, &value))
+            .ok()
     }
 }

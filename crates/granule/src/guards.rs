@@ -6,7 +6,7 @@ use granule_drivers::{Alarm, AlarmKind, ContactPartner, EngineError, View};
 use granule_observers::Energy;
 use granule_plan::{Guard, Guards, Plan};
 
-use crate::run::EnergyDrift;
+use crate::drift::EnergyDrift;
 
 /// Steps between two looks.
 const LOOK: u64 = 1024;
@@ -87,7 +87,9 @@ fn lost(view: &View<'_>, limit: f64) -> Option<Alarm> {
 /// The bodies that an error speaks of.
 pub(crate) fn bodies_of(error: &EngineError) -> Vec<u32> {
     match error {
-        EngineError::NotFinite { id, .. } => vec![*id],
+        EngineError::NotFinite { id, .. } | EngineError::Crushed { id, .. } => vec![*id],
+        // A whole neighbourhood would tell nothing.
+        EngineError::LawPanicked { among, .. } if among.len() <= 2 => among.clone(),
         EngineError::LawNotFinite { between, .. } => {
             let words: Vec<&str> = between.split_whitespace().collect();
             let named = words.windows(2).filter(|pair| pair[0] == "body");
@@ -159,6 +161,10 @@ fn cause(error: &EngineError) -> (&'static str, &'static str) {
             "the time step is too long for the stiffest contact, bodies that overlapped by much at the start, or a law that \
              divides by zero",
             "a shorter `step` (or `step: Auto()`), no overlaps at the start, `granule law check SCENE` for the laws",
+        ),
+        EngineError::Crushed { .. } => (
+            "walls that close on a body, or bodies that are pressed together harder than a rebound parts them",
+            "room between the walls, or bodies that give way: `driver: TimeStep()`",
         ),
         EngineError::Guard(alarm) => match alarm.kind {
             AlarmKind::Overlap => (

@@ -38,6 +38,7 @@ mod calibrate;
 mod capsule;
 mod checkpoint;
 mod directory;
+mod drift;
 mod guards;
 mod law_check;
 mod load;
@@ -49,6 +50,7 @@ mod selftest;
 
 pub use calibrate::{CalibrateError, calibrate};
 pub use directory::{DirectoryError, default_directory};
+pub use drift::EnergyDrift;
 pub use granule_calibration as calibration;
 pub use granule_plan::{Allowance, DataFiles, explain};
 pub use granule_trade as trade;
@@ -58,7 +60,7 @@ pub use load::{
 };
 pub use progress::{Outlook, Progress, Silent, Status};
 pub use resume::{ResumeError, ResumeOptions, resume};
-pub use run::{Aftermath, Ending, EnergyDrift, RunError, RunOptions, RunSummary, VERSION, run, run_plan};
+pub use run::{Aftermath, Ending, RunError, RunOptions, RunSummary, VERSION, run, run_choice, run_plan};
 pub use selftest::{SelftestResult, selftest, selftest_names};
 
 /// The crates behind this one, for whoever needs more of them than the [`prelude`] has.

@@ -9,10 +9,12 @@ use granule_drivers::{Advance, Alarm, Counts, Driver, EngineError, View};
 use granule_formats::Provenance;
 use granule_observers::{Energy, MANIFEST, ObserveError, Observers};
 use granule_plan::Plan;
+use granule_trade::{Choice, Meter, Realised};
 
 use crate::capsule::{self, Moments};
 use crate::checkpoint::{KeepError, Keeper};
 use crate::directory::{self, DirectoryError, default_directory};
+use crate::drift::EnergyDrift;
 use crate::guards::{self, Lookout};
 use crate::load::{LoadError, Loaded, Source, load};
 use crate::progress::{Outlook, Progress, Status};
@@ -49,31 +51,6 @@ pub enum Ending {
     Stopped,
     /// Earlier, because it took as long as it may.
     OutOfTime,
-}
-
-/// How well the energy ledger closes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EnergyDrift {
-    /// What the ledger does not account for \[J\].
-    pub residual: f64,
-    /// The largest energy that the residual can be held against \[J\]: kinetic and elastic energy at the start and the
-    /// end, and what was dissipated, supplied by walls, or taken from gravity in between.
-    pub scale: f64,
-}
-
-impl EnergyDrift {
-    pub(crate) fn between(start: &Energy, end: &Energy) -> Self {
-        let contained = |energy: &Energy| energy.kinetic + energy.rotational + energy.elastic;
-        let dissipated = end.dissipated_viscous + end.dissipated_friction;
-        let exchanged = [dissipated, end.wall_work, end.gravity - start.gravity];
-        let scale = exchanged.into_iter().map(f64::abs).fold(contained(start).max(contained(end)), f64::max);
-        Self { residual: end.residual_since(start), scale }
-    }
-
-    /// Residual over scale; zero if nothing has energy.
-    pub fn relative(&self) -> f64 {
-        if self.scale > 0.0 { self.residual / self.scale } else { 0.0 }
-    }
 }
 
 /// What a run has done.
@@ -192,6 +169,33 @@ pub fn run_plan(
     directory: &Path,
     options: RunOptions<'_>,
 ) -> Result<RunSummary, RunError> {
+    Ok(run_measured(plan, None, source, directory, options)?.0)
+}
+
+/// Runs the plan of a scene that asked for an accuracy or a time, and tells how far it was from the reference of its table; `None`
+/// if it has none, or the run ended early.
+///
+/// # Errors
+/// See [`RunError`].
+pub fn run_choice(
+    plan: Plan,
+    choice: &Choice,
+    source: &Source,
+    directory: &Path,
+    options: RunOptions<'_>,
+) -> Result<(RunSummary, Option<Realised>), RunError> {
+    let meter = choice.meter(&plan);
+    let (summary, meter) = run_measured(plan, meter, Some(source), directory, options)?;
+    Ok((summary, meter.and_then(|meter| choice.realised(meter))))
+}
+
+fn run_measured(
+    plan: Plan,
+    meter: Option<Meter>,
+    source: Option<&Source>,
+    directory: &Path,
+    options: RunOptions<'_>,
+) -> Result<(RunSummary, Option<Meter>), RunError> {
     let created = created();
     let provenance = Provenance::new(VERSION, &plan.fingerprint, created).map_err(RunError::Manifest)?;
     let observers = Observers::from_plan(&plan, directory, &provenance)?;
@@ -200,7 +204,9 @@ pub fn run_plan(
     let engine = |error| RunError::Engine { error, aftermath: Box::default(), directory: directory.into() };
     let driver = granule_drivers::driver(Arc::clone(&plan), options.threads).map_err(engine)?;
     let mut run = Run::new(plan, driver, observers, source, directory, created, lock);
-    run.begin(options.progress, options.stop, options.max_time)
+    run.meter = meter;
+    let summary = run.begin(options.progress, options.stop, options.max_time)?;
+    Ok((summary, run.meter))
 }
 
 /// The moment that outputs carry: now, or that of `SOURCE_DATE_EPOCH`, with which two runs write the same files to the last
@@ -225,6 +231,7 @@ pub(crate) struct Run {
     recorder: Recorder,
     keeper: Option<Keeper>,
     lookout: Lookout,
+    meter: Option<Meter>,
     moments: Moments,
     source: Option<Source>,
     start_energy: Option<Energy>,
@@ -260,6 +267,7 @@ impl Run {
             recorder: Recorder::new(&plan, source, directory, SystemTime::now()),
             keeper,
             lookout: Lookout::new(&plan),
+            meter: None,
             moments: Moments::default(),
             source: source.cloned(),
             start_energy: None,
@@ -393,6 +401,9 @@ impl Run {
     ) -> Result<Ending, Failure> {
         let steps = self.plan.driver.steps;
         if fresh {
+            if let Some(meter) = &mut self.meter {
+                meter.begin(&self.driver.view());
+            }
             self.observe(Observers::start)?;
         } else {
             self.moments.keep(&self.driver.view());
@@ -404,7 +415,8 @@ impl Run {
             let due = self.observers.next_due(step).unwrap_or(u64::MAX);
             let keep = self.keeper.as_ref().map_or(u64::MAX, |keeper| keeper.next_due(step));
             let report = step.saturating_add(stride);
-            let until = steps.min(due).min(report).min(keep).min(self.lookout.next_due(step));
+            let meter = self.meter.as_ref().and_then(Meter::next_due).unwrap_or(u64::MAX);
+            let until = steps.min(due).min(report).min(keep).min(meter).min(self.lookout.next_due(step));
             let before = Instant::now();
             let advance = self.driver.advance(until, limits.stop)?;
             let spent = before.elapsed();
@@ -421,6 +433,11 @@ impl Run {
             }
             if until == due {
                 self.observe(Observers::observe)?;
+            }
+            if until == meter
+                && let Some(meter) = &mut self.meter
+            {
+                meter.look(&self.driver.view());
             }
             self.look(progress)?;
             progress.advance(&self.status());
@@ -452,7 +469,7 @@ impl Run {
     /// Leaves the smallest scene in which the run fails as it has.
     fn capsule(&self, error: &EngineError) -> Option<(PathBuf, usize)> {
         let source = self.source.as_ref()?;
-        capsule::write(&self.directory, source, &self.plan, &self.moments, error, self.driver.step())
+        capsule::write(&self.directory, source, &self.plan, &self.moments, error, &self.driver.view())
     }
 
     /// Keeps the state before outputs get the entry of an early end, which a continued run does not have.

@@ -1,147 +1,63 @@
 //! A law of somebody else at fault is named: before the run if it creates energy, else in the error that ends the run with whole
 //! files.
 
+mod support;
+
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use granule::parts::law_api::{
-    Collision, CollisionEntry, CollisionImpulse, CollisionLaw, CollisionRule, Columns, ContactChunk,
-    ContactLaw, Dimension, Form, Impact, LawEntry, LawError, LawInfo, Oracle, PairContext, ParamSpec, Params,
-    Real, Slot, Source, Stage, TimeScale, ValueRange, probe,
+    Collision, CollisionEntry, CollisionImpulse, CollisionLaw, CollisionRule, Form, Impact, LawEntry,
+    LawError, LawInfo, Params, Real, Slot, TimeScale, probe,
 };
 use granule::prelude::{RunError, RunOptions, Silent};
-
-const STIFFNESS: ParamSpec = ParamSpec {
-    name: "stiffness",
-    symbol: "k",
-    doc: "Stiffness.",
-    dimension: Dimension::STIFFNESS,
-    range: ValueRange::POSITIVE,
-};
+use support::{Fault, Faulty};
 
 /// f_n = k δ, with a panic at overlaps over a thousandth of a millimetre.
 struct Fussy;
 
-static FUSSY: LawEntry = LawEntry::of::<Fussy>("test", "0.0.0");
+static FUSSY: LawEntry = LawEntry::of::<Faulty<Fussy>>("test", "0.0.0");
 
-/// What a linear spring says about itself.
-const fn spring(name: &'static str) -> LawInfo {
-    LawInfo {
-        name,
-        summary: "Linear spring.",
-        formula: "f_n = k delta",
-        sources: &[Source { work: "Luding 1998", place: "Eq. (26)", note: "" }],
-        slot: Slot::Normal,
-        reads: Columns::NONE,
-        writes: Columns::NORMAL_FORCE,
-        history: &[],
-        parameters: &[&STIFFNESS],
-        forms: &[Form { doc: "", required: &[&STIFFNESS], optional: &[] }],
-        examples: &[],
-        contact_ends: &[],
-        dissipative: true,
-    }
-}
+impl Fault for Fussy {
+    const NAME: &'static str = "Fussy";
 
-impl ContactLaw for Fussy {
-    const INFO: LawInfo = spring("Fussy");
-
-    fn compile<T: Real>(params: &Params, _: &PairContext) -> Result<Box<dyn Stage<T>>, LawError> {
-        Ok(Box::new(Compiled { stiffness: T::of(params.value(&STIFFNESS)?) }))
-    }
-
-    fn time_scale(_: &Params, _: &PairContext, _: &Impact) -> Result<Option<TimeScale>, LawError> {
-        Ok(None)
-    }
-
-    fn oracle(_: &Params, _: &PairContext) -> Oracle {
-        Oracle::Missing
-    }
-}
-
-struct Compiled<T> {
-    stiffness: T,
-}
-
-impl<T: Real> Stage<T> for Compiled<T> {
-    fn run(&self, chunk: &mut ContactChunk<'_, T>) {
-        for k in 0..chunk.len() {
-            let overlap = chunk.overlap[k];
-            assert!(overlap < T::of(1e-6), "an overlap that I do not like");
-            chunk.normal_force[k] = self.stiffness * overlap;
-        }
+    fn force<T: Real>(stiffness: T, overlap: T, _: T) -> T {
+        assert!(overlap < T::of(1e-6), "an overlap that I do not like");
+        stiffness * overlap
     }
 }
 
 /// f_n = k δ, and no number at overlaps over a thousandth of a millimetre.
 struct Blank;
 
-static BLANK: LawEntry = LawEntry::of::<Blank>("test", "0.0.0");
+static BLANK: LawEntry = LawEntry::of::<Faulty<Blank>>("test", "0.0.0");
 
-impl ContactLaw for Blank {
-    const INFO: LawInfo = spring("Blank");
+impl Fault for Blank {
+    const NAME: &'static str = "Blank";
 
-    fn compile<T: Real>(params: &Params, _: &PairContext) -> Result<Box<dyn Stage<T>>, LawError> {
-        Ok(Box::new(CompiledBlank { stiffness: T::of(params.value(&STIFFNESS)?) }))
-    }
-
-    fn time_scale(_: &Params, _: &PairContext, _: &Impact) -> Result<Option<TimeScale>, LawError> {
-        Ok(None)
-    }
-
-    fn oracle(_: &Params, _: &PairContext) -> Oracle {
-        Oracle::Missing
-    }
-}
-
-struct CompiledBlank<T> {
-    stiffness: T,
-}
-
-impl<T: Real> Stage<T> for CompiledBlank<T> {
-    fn run(&self, chunk: &mut ContactChunk<'_, T>) {
-        for k in 0..chunk.len() {
-            let overlap = chunk.overlap[k];
-            // A root of what becomes negative: a mistake that is easily made.
-            chunk.normal_force[k] = self.stiffness * overlap + T::ZERO * (T::of(1e-6) - overlap).sqrt();
-        }
+    fn force<T: Real>(stiffness: T, overlap: T, _: T) -> T {
+        // A root of what becomes negative: a mistake that is easily made.
+        stiffness * overlap + T::ZERO * (T::of(1e-6) - overlap).sqrt()
     }
 }
 
 /// A spring that pushes back a tenth harder than it is pressed, and promises never to create energy.
 struct Generous;
 
-static GENEROUS: LawEntry = LawEntry::of::<Generous>("test", "0.0.0");
+static GENEROUS: LawEntry = LawEntry::of::<Faulty<Generous>>("test", "0.0.0");
 
-impl ContactLaw for Generous {
-    const INFO: LawInfo = spring("Generous");
+impl Fault for Generous {
+    const NAME: &'static str = "Generous";
 
-    fn compile<T: Real>(params: &Params, _: &PairContext) -> Result<Box<dyn Stage<T>>, LawError> {
-        Ok(Box::new(CompiledGenerous { stiffness: T::of(params.value(&STIFFNESS)?) }))
+    fn force<T: Real>(stiffness: T, overlap: T, normal_velocity: T) -> T {
+        let more = if normal_velocity < T::ZERO { T::of(1.1) } else { T::ONE };
+        more * stiffness * overlap
     }
 
-    fn time_scale(params: &Params, _: &PairContext, impact: &Impact) -> Result<Option<TimeScale>, LawError> {
-        let stiffness = params.value(&STIFFNESS)?;
+    fn time_scale(stiffness: f64, impact: &Impact) -> Option<TimeScale> {
         let root = (impact.reduced_mass / stiffness).sqrt();
         let (duration, overlap) = (std::f64::consts::PI * root, impact.normal_speed * root);
-        Ok(Some(TimeScale { duration, stiffness, damping: 0.0, overlap }))
-    }
-
-    fn oracle(_: &Params, _: &PairContext) -> Oracle {
-        Oracle::Missing
-    }
-}
-
-struct CompiledGenerous<T> {
-    stiffness: T,
-}
-
-impl<T: Real> Stage<T> for CompiledGenerous<T> {
-    fn run(&self, chunk: &mut ContactChunk<'_, T>) {
-        for k in 0..chunk.len() {
-            let more = if chunk.normal_velocity[k] < T::ZERO { T::of(1.1) } else { T::ONE };
-            chunk.normal_force[k] = more * self.stiffness * chunk.overlap[k];
-        }
+        Some(TimeScale { duration, stiffness, damping: 0.0, overlap })
     }
 }
 
@@ -155,7 +71,7 @@ impl CollisionLaw for Trampoline {
         slot: Slot::Collision,
         parameters: &[],
         forms: &[Form { doc: "", required: &[], optional: &[] }],
-        ..spring("Trampoline")
+        ..support::spring("Trampoline")
     };
 
     fn compile(_: &Params) -> Result<Box<dyn CollisionRule>, LawError> {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use granule::Allowance;
 use granule::prelude::{Counts, Ending, RunError, RunOptions, RunSummary, Source};
-use granule::trade::Choice;
+use granule::trade::{Choice, Realised};
 
 use super::{Exit, show_load_error};
 use crate::args::RunArguments;
@@ -39,12 +39,16 @@ pub fn run(arguments: &RunArguments, allowance: &Allowance) -> Exit {
         max_time: arguments.max_time,
     };
     let steps = loaded.plan.driver.steps;
-    let choice = loaded.choice;
-    match granule::run_plan(loaded.plan, Some(&loaded.source), &directory, options) {
-        Ok(summary) => {
+    let (plan, source, choice) = (loaded.plan, loaded.source, loaded.choice);
+    let result = match &choice {
+        Some(choice) => granule::run_choice(plan, choice, &source, &directory, options),
+        None => granule::run_plan(plan, Some(&source), &directory, options).map(|summary| (summary, None)),
+    };
+    match result {
+        Ok((summary, measured)) => {
             let exit = finished(&summary, steps, arguments.quiet);
             if let (Some(choice), Exit::Success, false) = (choice, exit, arguments.quiet) {
-                terminal::out(&realised(&choice, &loaded.source, &summary));
+                terminal::out(&realised(&choice, measured, &source, &summary));
             }
             exit
         }
@@ -100,13 +104,17 @@ pub(super) fn finished(summary: &RunSummary, steps: u64, quiet: bool) -> Exit {
 }
 
 /// What was expected of the setting that the scene asked for, and what came of it.
-fn realised(choice: &Choice, source: &Source, summary: &RunSummary) -> String {
+fn realised(choice: &Choice, measured: Option<Realised>, source: &Source, summary: &RunSummary) -> String {
     let mut out = format!("accuracy       {:.1e} expected of {}", choice.error, choice.quantity);
     // Writing to a string cannot fail.
-    let _ = match granule::measured_again(choice, source) {
-        Ok(Some(error)) => writeln!(out, ", {error:.1e} measured again at other phases of the step"),
-        Ok(None) => writeln!(out),
-        Err(reason) => writeln!(out, "; it cannot be measured again: {reason}"),
+    let _ = match (granule::measured_again(choice, source), measured) {
+        (Ok(_), Some(Realised { error, chance })) => writeln!(
+            out,
+            ", {error:.1e} from the reference of the table, of which {chance:.1e} may be chance in a single run"
+        ),
+        (Ok(Some(error)), None) => writeln!(out, ", {error:.1e} measured again at other phases of the step"),
+        (Ok(None), None) => writeln!(out),
+        (Err(reason), _) => writeln!(out, "; it cannot be measured again: {reason}"),
     };
     if let Some(seconds) = choice.seconds {
         let loop_time = summary.wall.saturating_sub(summary.output_wall).as_secs_f64();

@@ -1,7 +1,5 @@
 //! The engine: bodies slide and roll from event to event.
 
-use std::sync::Arc;
-
 use granule_geometry::Cell;
 use granule_law_api::SurfaceFriction;
 use serde::{Deserialize, Serialize};
@@ -13,6 +11,7 @@ use super::side::SideWall;
 use crate::body::{Period, Shell};
 use crate::cells::Cells;
 use crate::engine::Rule;
+use crate::fault::{caught, watched};
 use crate::neighbours::Neighbours;
 use crate::queue::Calendar;
 use crate::report::Counts;
@@ -206,11 +205,7 @@ impl RollingEngine {
             wall_rules: base.walls.iter().flat_map(|wall| wall.rules.iter().map(short)).collect(),
             walls,
             pairs: base.pairs.iter().map(short).collect(),
-            rules: base
-                .rules
-                .iter()
-                .map(|rule| Rule { rule: Arc::clone(rule), rough: rule.is_rough() })
-                .collect(),
+            rules: watched(&base.rules),
             materials: base.materials,
             contact_duration: base.contact_duration,
             paths: vec![still; count],
@@ -314,22 +309,32 @@ impl RollingEngine {
         self.window.1 += 1;
         let limit = STALL.0 * self.fixed.len() as u64 + STALL.1;
         if self.window.1 > limit {
-            let id = self.fixed[body as usize].id;
+            let id = self.id(body);
             return Err(EventError::Stalled { time, id, events: limit, span: self.contact_duration });
         }
         match aim.partner {
             PIECE => self.end_piece(body, time),
             SHELL => self.relist(body, time),
             AGAIN => {}
-            wall if wall >= WALLS => self.hit_wall(body, (wall - WALLS) as usize, time)?,
+            wall if wall >= WALLS => {
+                let wall = (wall - WALLS) as usize;
+                let met = |engine: &Self| (engine.id(body), Err(wall), time);
+                caught(self, |engine| engine.hit_wall(body, wall, time), met)?;
+            }
             other if self.queue.event(other).1.pieces != aim.seen => self.counts.void += 1,
             other => {
-                self.collide(body, other, time)?;
+                let met = |engine: &Self| (engine.id(body), Ok(engine.id(other)), time);
+                caught(self, |engine| engine.collide(body, other, time), met)?;
                 self.predict(other, time);
             }
         }
         self.predict(body, time);
         Ok(())
+    }
+
+    /// Identity of a body.
+    fn id(&self, body: u32) -> u32 {
+        self.fixed[body as usize].id
     }
 
     /// Motion of a body at a time of its piece.
